@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "accel/params.h"
+#include "core/scene/scene.h"
+#include "core/simd/isa.h"
+#include "core/trace/intersector.h"
+
+namespace raymeter {
+
+/// Static quality of a built structure; what does not apply is empty. Cells of grids count as leaves.
+struct BuildStats {
+  std::int64_t interior_nodes = 0;
+  std::int64_t leaves = 0;
+  std::int64_t empty_leaves = 0;
+  std::int64_t references = 0;  ///< primitive references over all leaves
+  std::optional<std::int64_t> max_depth;
+  std::optional<double> sah_cost;  ///< expected tests of a random line that meets the root, C_t = C_i = 1
+  std::optional<double> epo;       ///< end-point overlap
+  std::size_t mem_bytes = 0;       ///< of the structure alone, without the scene
+  [[nodiscard]] std::int64_t nodes() const noexcept { return interior_nodes + leaves; }
+};
+
+/// How a built structure is to be queried.
+struct QueryOptions {
+  Isa isa = Isa::scalar;
+  int packet = 1;      ///< rays per packet, 1..kMaxPacket
+  ParamValues params;  ///< all of the technique's; only those with ParamUse::query may differ from the build's
+};
+
+/// A built acceleration structure. Keeps what it needs of the scene by reference: the scene must outlive it.
+class Structure {
+public:
+  virtual ~Structure() = default;
+  [[nodiscard]] virtual const BuildStats& stats() const noexcept = 0;
+  /// The intersector refers to the structure.
+  [[nodiscard]] virtual std::unique_ptr<Intersector> intersector(const QueryOptions& options) const = 0;
+};
+
+/// A row of the table of techniques: everything that `list`, `describe`, the schema, the runner and the conformance tests know of one.
+struct StructureEntry {
+  std::string_view name;
+  std::string_view summary;
+  std::string_view source;  ///< who, when, where
+  std::vector<ParamInfo> (*params)();
+  /// All parameters with their values, or Error.
+  ParamValues (*resolve)(const ParamValues& values);
+  /// Builds on at most `threads` threads (0: all). The result does not depend on their number.
+  std::unique_ptr<Structure> (*build)(const Scene& scene, const ParamValues& values, int threads);
+};
+
+/// What a technique's Params give the table.
+template <class Params>
+[[nodiscard]] ParamValues resolve_params(const ParamValues& values) {
+  return resolved(bind<Params>(values));
+}
+
+}  // namespace raymeter

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+namespace raymeter {
+
+/// Lanes of the largest packet; every column is readable this many elements past its end.
+inline constexpr std::size_t kColumnPadding = 64;
+
+/// One column of a structure of arrays: 64-byte aligned, with a zeroed tail that vector loads may read.
+template <class T>
+class Column {
+  static_assert(std::is_trivially_copyable_v<T>);
+
+public:
+  Column() = default;
+  explicit Column(std::size_t size, T value = T{}) { resize(size, value); }
+  Column(const Column& other) { assign(other.data_.get(), other.size_); }
+  Column(Column&& other) noexcept
+      : data_(std::move(other.data_)), size_(std::exchange(other.size_, 0)), capacity_(std::exchange(other.capacity_, 0)) {}
+  Column& operator=(Column other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+    std::swap(capacity_, other.capacity_);
+    return *this;
+  }
+
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
+  [[nodiscard]] T* data() noexcept { return data_.get(); }
+  [[nodiscard]] const T* data() const noexcept { return data_.get(); }
+  [[nodiscard]] T& operator[](std::size_t i) noexcept { return data_[i]; }
+  [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return data_[i]; }
+  [[nodiscard]] T& back() noexcept { return data_[size_ - 1]; }
+  [[nodiscard]] const T& back() const noexcept { return data_[size_ - 1]; }
+  [[nodiscard]] T* begin() noexcept { return data(); }
+  [[nodiscard]] T* end() noexcept { return data() + size_; }
+  [[nodiscard]] const T* begin() const noexcept { return data(); }
+  [[nodiscard]] const T* end() const noexcept { return data() + size_; }
+  [[nodiscard]] std::span<const T> span() const noexcept { return {data(), size_}; }
+
+  void push_back(const T& value) {
+    const T copy = value;  // value may live in this column
+    if (size_ == capacity_) grow(std::max<std::size_t>(16, capacity_ + capacity_ / 2));
+    data_[size_++] = copy;
+  }
+  /// New elements get `value`.
+  void resize(std::size_t size, T value = T{}) {
+    if (size > capacity_) grow(size);
+    if (size > size_) std::fill(data_.get() + size_, data_.get() + size, value);
+    size_ = size;
+  }
+  void assign(const T* values, std::size_t size) {
+    if (size > capacity_) grow(size);
+    if (size > 0) std::memcpy(data_.get(), values, size * sizeof(T));
+    size_ = size;
+  }
+  void reserve(std::size_t capacity) {
+    if (capacity > capacity_) grow(capacity);
+  }
+  void clear() noexcept { size_ = 0; }
+  void shrink_to_fit() {
+    if (size_ == 0) *this = Column();
+    else if (capacity_ > size_) grow(size_);
+  }
+
+  /// Memory held, padding included.
+  [[nodiscard]] std::size_t bytes() const noexcept { return data_ ? (capacity_ + kColumnPadding) * sizeof(T) : 0; }
+
+private:
+  static constexpr std::align_val_t kAlignment{64};
+  struct Free {
+    void operator()(T* data) const noexcept { ::operator delete(static_cast<void*>(data), kAlignment); }
+  };
+
+  void grow(std::size_t capacity) {
+    const std::size_t bytes = (capacity + kColumnPadding) * sizeof(T);
+    std::unique_ptr<T[], Free> data(static_cast<T*>(::operator new(bytes, kAlignment)));
+    if (size_ > 0) std::memcpy(static_cast<void*>(data.get()), data_.get(), size_ * sizeof(T));
+    std::memset(static_cast<void*>(data.get() + size_), 0, bytes - size_ * sizeof(T));
+    data_ = std::move(data);
+    capacity_ = capacity;
+  }
+
+  std::unique_ptr<T[], Free> data_;
+  std::size_t size_ = 0;
+  std::size_t capacity_ = 0;
+};
+
+}  // namespace raymeter

@@ -1,0 +1,49 @@
+#pragma once
+
+// Rays against an axis-aligned box, with no false misses. Subtract, then multiply; near and far planes by the sign bit of the direction; reciprocals of zero
+// stay infinite and 0 * inf = NaN falls through min and max (a ray in a face plane is inside, the box is closed). The interval grows by kSlabPadding relative to
+// its ends (Ize 2013, JCGT 2(2)), and more than rounding asks for: by what the primitive kernels may err (error_bounds.h).
+
+#include "core/geometry/error_bounds.h"
+#include "core/ray/ray_packet.h"
+
+namespace raymeter {
+
+/// Where rays are inside a box: t_near <= t_far where they meet it; else the two mean nothing.
+template <class L>
+struct SlabInterval {
+  typename L::Float t_near;
+  typename L::Float t_far;
+};
+
+/// The whole line's interval in the box, not clipped to the ray's. `box` is min x y z, max x y z.
+/// kUniform: ray.octant >= 0, all lanes share their direction signs.
+template <class L, bool kUniform = false>
+inline SlabInterval<L> line_in_box(const RayPacket<L>& ray, const float* box) noexcept {
+  using Float = typename L::Float;
+  Float t_near(-kInfinity), t_far(kInfinity);
+  for (int a = 0; a < 3; ++a) {
+    Float near_plane, far_plane;
+    if constexpr (kUniform) {
+      const int far_side = (ray.octant >> a & 1) != 0 ? 0 : 3;
+      near_plane = Float(box[a + 3 - far_side]);
+      far_plane = Float(box[a + far_side]);
+    } else {
+      const Float low(box[a]), high(box[a + 3]);
+      near_plane = L::select(ray.negative[a], high, low);
+      far_plane = L::select(ray.negative[a], low, high);
+    }
+    t_near = L::max((near_plane - ray.org[a]) * ray.inv_dir[a], t_near);
+    t_far = L::min((far_plane - ray.org[a]) * ray.inv_dir[a], t_far);
+  }
+  return {L::mul_add(t_near, Float(1.0f - kSlabPadding), -ray.slab_slack), L::mul_add(t_far, Float(1.0f + kSlabPadding), ray.slab_slack)};
+}
+
+/// The interval clipped to [t_min, t_end]: rays meet the box where t_near <= t_far.
+template <class L, bool kUniform = false>
+inline SlabInterval<L> intersect_box(const RayPacket<L>& ray, typename L::Float t_end, const float* box) noexcept {
+  const SlabInterval<L> line = line_in_box<L, kUniform>(ray, box);
+  return {L::max(line.t_near, ray.t_min), L::min(line.t_far, t_end)};
+}
+
+}  // namespace raymeter

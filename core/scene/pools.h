@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/base/column.h"
+#include "core/geometry/primitive_run.h"
+#include "core/scene/pools_view.h"
+#include "core/scene/primitive.h"
+
+namespace raymeter {
+
+using FloatColumns3 = std::array<Column<float>, 3>;
+
+struct SpherePool {
+  FloatColumns3 center;
+  Column<float> radius;
+  Column<std::int32_t> prim;
+  [[nodiscard]] std::size_t size() const noexcept { return prim.size(); }
+};
+
+struct TrianglePool {
+  std::array<FloatColumns3, 3> vertex;  ///< [vertex][axis]
+  Column<std::int32_t> prim;
+  /// Index of a triangle's vertex normals in `normal`, -1 where it has none; the column is empty where no triangle has any.
+  Column<std::int32_t> normal_index;
+  std::array<FloatColumns3, 3> normal;  ///< [vertex][axis]
+  [[nodiscard]] std::size_t size() const noexcept { return prim.size(); }
+};
+
+struct PolygonPool {
+  FloatColumns3 vertex;
+  Column<std::int32_t> first_vertex;  ///< one more than polygons: the last is the end
+  FloatColumns3 normal;               ///< Newell's, not normalised
+  FloatColumns3 box_min;              ///< grown by kBoundsPadding
+  FloatColumns3 box_max;
+  Column<std::int32_t> prim;
+  [[nodiscard]] std::size_t size() const noexcept { return prim.size(); }
+};
+
+struct ConePool {
+  FloatColumns3 base;
+  FloatColumns3 axis;                   ///< apex - base
+  std::array<Column<float>, 2> radius;  ///< base, apex
+  Column<std::int32_t> prim;
+  [[nodiscard]] std::size_t size() const noexcept { return prim.size(); }
+};
+
+/// One structure of arrays per primitive kind. Columns of a kind that no primitive uses take no memory.
+struct Pools {
+  SpherePool spheres;
+  TrianglePool triangles;
+  PolygonPool polygons;
+  ConePool cones;
+
+  [[nodiscard]] PoolsView view() const noexcept;
+  [[nodiscard]] std::size_t size(PrimKind kind) const noexcept;
+  [[nodiscard]] std::size_t mem_bytes() const noexcept;
+};
+
+/// A copy of the pools' primitives in the given order, without shading data: what a leaf refers to then lies together. An entry may occur several times.
+[[nodiscard]] Pools reordered(const Pools& pools, std::span<const PrimRef> order);
+
+}  // namespace raymeter

@@ -1,0 +1,268 @@
+#include "core/scene/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <glm/geometric.hpp>
+
+#include "core/bounds/aabb.h"
+
+namespace raymeter {
+
+namespace {
+
+bool finite(const glm::dvec3& p) noexcept {
+  // As float, since a double may be finite and its float not.
+  return std::isfinite(static_cast<float>(p.x)) && std::isfinite(static_cast<float>(p.y)) && std::isfinite(static_cast<float>(p.z));
+}
+
+bool valid_radius(double r) noexcept { return r >= 0 && std::isfinite(static_cast<float>(r)); }
+
+void push(FloatColumns3& columns, const glm::dvec3& p) {
+  for (std::size_t a = 0; a < 3; ++a) columns[a].push_back(static_cast<float>(p[static_cast<glm::length_t>(a)]));
+}
+
+glm::dvec3 rounded(const glm::dvec3& p) noexcept { return glm::dvec3(glm::vec3(p)); }
+
+void reserve3(FloatColumns3& columns, std::size_t count) {
+  for (Column<float>& column : columns) column.reserve(count);
+}
+
+void shrink3(FloatColumns3& columns) {
+  for (Column<float>& column : columns) column.shrink_to_fit();
+}
+
+/// FNV-1a over 64-bit words.
+class Hash {
+public:
+  template <class T>
+  void add(const Column<T>& column) noexcept {
+    add_bytes(column.data(), column.size() * sizeof(T));
+  }
+  void add(const FloatColumns3& columns) noexcept {
+    for (const Column<float>& column : columns) add(column);
+  }
+  void add(double value) noexcept { add_bytes(&value, sizeof value); }
+  void add(const glm::dvec3& p) noexcept {
+    for (glm::length_t a = 0; a < 3; ++a) add(p[a]);
+  }
+  [[nodiscard]] std::uint64_t value() const noexcept { return value_; }
+
+private:
+  void add_bytes(const void* data, std::size_t size) noexcept {
+    const auto* bytes = static_cast<const unsigned char*>(data);
+    mix(size);
+    for (; size >= 8; bytes += 8, size -= 8) {
+      std::uint64_t word;
+      std::memcpy(&word, bytes, 8);
+      mix(word);
+    }
+    for (; size > 0; ++bytes, --size) mix(*bytes);
+  }
+  void mix(std::uint64_t word) noexcept {
+    value_ = (value_ ^ word) * 0x100000001b3u;
+    value_ ^= value_ >> 29;
+  }
+  std::uint64_t value_ = 0xcbf29ce484222325u;
+};
+
+}  // namespace
+
+void Scene::drop() {
+  prims_.push_back({PrimRef::kDropped, 0});
+  ++dropped_;
+}
+
+void Scene::add_prim(PrimKind kind, std::size_t index) { prims_.push_back(prim_ref(kind, index)); }
+
+void Scene::add_sphere(glm::dvec3 center, double radius) {
+  if (!finite(center) || !valid_radius(radius)) return drop();
+  SpherePool& pool = pools_.spheres;
+  pool.prim.push_back(prim_id_count());
+  push(pool.center, center);
+  pool.radius.push_back(static_cast<float>(radius));
+  add_prim(PrimKind::sphere, pool.size() - 1);
+}
+
+void Scene::add_triangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  if (!finite(a) || !finite(b) || !finite(c)) return drop();
+  TrianglePool& pool = pools_.triangles;
+  pool.prim.push_back(prim_id_count());
+  push(pool.vertex[0], a);
+  push(pool.vertex[1], b);
+  push(pool.vertex[2], c);
+  if (!pool.normal_index.empty()) pool.normal_index.push_back(-1);
+  add_prim(PrimKind::triangle, pool.size() - 1);
+}
+
+void Scene::add_triangle(const std::array<glm::dvec3, 3>& vertex, const std::array<glm::dvec3, 3>& normal) {
+  const std::int32_t dropped_before = dropped_;
+  add_triangle(vertex[0], vertex[1], vertex[2]);
+  const bool usable = std::all_of(normal.begin(), normal.end(), [](const glm::dvec3& n) { return finite(n) && glm::dot(n, n) > 0; });
+  if (dropped_ != dropped_before || !usable) return;
+  TrianglePool& pool = pools_.triangles;
+  pool.normal_index.resize(pool.size(), -1);
+  pool.normal_index.back() = static_cast<std::int32_t>(pool.normal[0][0].size());
+  for (std::size_t k = 0; k < 3; ++k) push(pool.normal[k], normal[k]);
+}
+
+void Scene::add_polygon(std::span<const glm::dvec3> vertices) {
+  if (vertices.size() < 3 || !std::all_of(vertices.begin(), vertices.end(), finite)) return drop();
+  PolygonPool& pool = pools_.polygons;
+  if (pool.first_vertex.empty()) pool.first_vertex.push_back(0);
+  const glm::dvec3 origin = rounded(vertices[0]);
+  glm::dvec3 normal(0.0);  // Newell's, about vertex 0: every vertex counts, so that a short first edge does not spoil it
+  Aabb box;
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    const glm::dvec3 p = rounded(vertices[k]);
+    normal += glm::cross(p - origin, rounded(vertices[(k + 1) % vertices.size()]) - origin);
+    box.grow(glm::vec3(p));
+    push(pool.vertex, p);
+  }
+  box = padded(box);
+  const double largest = std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)});
+  if (largest > 0) normal /= largest;  // only its direction matters; its length could underflow
+  push(pool.normal, normal);
+  push(pool.box_min, glm::dvec3(box.min));
+  push(pool.box_max, glm::dvec3(box.max));
+  pool.prim.push_back(prim_id_count());
+  pool.first_vertex.push_back(static_cast<std::int32_t>(pool.vertex[0].size()));
+  add_prim(PrimKind::polygon, pool.size() - 1);
+}
+
+void Scene::add_cone(const glm::dvec3& base, double base_radius, const glm::dvec3& apex, double apex_radius) {
+  const glm::dvec3 axis = rounded(apex) - rounded(base);
+  if (!finite(base) || !finite(apex) || !finite(axis) || !valid_radius(base_radius) || !valid_radius(apex_radius)) return drop();
+  ConePool& pool = pools_.cones;
+  pool.prim.push_back(prim_id_count());
+  push(pool.base, base);
+  push(pool.axis, axis);
+  pool.radius[0].push_back(static_cast<float>(base_radius));
+  pool.radius[1].push_back(static_cast<float>(apex_radius));
+  add_prim(PrimKind::cone, pool.size() - 1);
+}
+
+void Scene::set_material(const Material& material) {
+  if (!materials_.empty() && materials_.back().material == material) return;
+  if (!materials_.empty() && materials_.back().first_prim == prim_id_count()) materials_.back().material = material;
+  else materials_.push_back({prim_id_count(), material});
+}
+
+void Scene::begin_object(std::string object_name, const glm::dmat4& to_world) {
+  end_object();
+  objects_.push_back({std::move(object_name), prim_id_count(), prim_id_count(), to_world});
+  object_open_ = true;
+}
+
+void Scene::end_object() {
+  if (!object_open_) return;
+  object_open_ = false;
+  objects_.back().end_prim = prim_id_count();
+  if (objects_.back().first_prim == objects_.back().end_prim) objects_.pop_back();
+}
+
+void Scene::reserve(PrimKind kind, std::size_t count) {
+  prims_.reserve(prims_.size() + count);
+  switch (kind) {
+    case PrimKind::sphere:
+      reserve3(pools_.spheres.center, count);
+      pools_.spheres.radius.reserve(count);
+      pools_.spheres.prim.reserve(count);
+      break;
+    case PrimKind::triangle:
+      for (FloatColumns3& vertex : pools_.triangles.vertex) reserve3(vertex, count);
+      pools_.triangles.prim.reserve(count);
+      break;
+    case PrimKind::polygon:
+      pools_.polygons.prim.reserve(count);
+      break;
+    case PrimKind::cone:
+      reserve3(pools_.cones.base, count);
+      reserve3(pools_.cones.axis, count);
+      for (Column<float>& radius : pools_.cones.radius) radius.reserve(count);
+      pools_.cones.prim.reserve(count);
+      break;
+  }
+}
+
+void Scene::finish() {
+  end_object();
+  SpherePool& spheres = pools_.spheres;
+  shrink3(spheres.center);
+  spheres.radius.shrink_to_fit();
+  spheres.prim.shrink_to_fit();
+  TrianglePool& triangles = pools_.triangles;
+  for (std::size_t k = 0; k < 3; ++k) {
+    shrink3(triangles.vertex[k]);
+    shrink3(triangles.normal[k]);
+  }
+  triangles.prim.shrink_to_fit();
+  triangles.normal_index.shrink_to_fit();
+  PolygonPool& polygons = pools_.polygons;
+  for (FloatColumns3* columns : {&polygons.vertex, &polygons.normal, &polygons.box_min, &polygons.box_max}) shrink3(*columns);
+  polygons.first_vertex.shrink_to_fit();
+  polygons.prim.shrink_to_fit();
+  ConePool& cones = pools_.cones;
+  shrink3(cones.base);
+  shrink3(cones.axis);
+  for (Column<float>& radius : cones.radius) radius.shrink_to_fit();
+  cones.prim.shrink_to_fit();
+  prims_.shrink_to_fit();
+}
+
+const Material& Scene::material(std::int32_t prim) const noexcept {
+  static const Material kDefault;
+  const auto next = std::upper_bound(materials_.begin(), materials_.end(), prim, [](std::int32_t id, const MaterialRun& run) { return id < run.first_prim; });
+  return next == materials_.begin() ? kDefault : std::prev(next)->material;
+}
+
+const Object* Scene::object_of(std::int32_t prim) const noexcept {
+  const auto next = std::upper_bound(objects_.begin(), objects_.end(), prim, [](std::int32_t id, const Object& object) { return id < object.first_prim; });
+  if (next == objects_.begin() || prim >= std::prev(next)->end_prim) return nullptr;
+  return &*std::prev(next);
+}
+
+std::int32_t Scene::object_count() const noexcept {
+  std::int32_t lone = prim_id_count();
+  for (const Object& object : objects_) lone -= object.end_prim - object.first_prim;
+  return lone + static_cast<std::int32_t>(objects_.size());
+}
+
+std::size_t Scene::mem_bytes() const noexcept {
+  return pools_.mem_bytes() + prims_.bytes() + materials_.capacity() * sizeof(MaterialRun) + objects_.capacity() * sizeof(Object);
+}
+
+std::uint64_t Scene::hash() const noexcept {
+  Hash hash;
+  hash.add(prims_);
+  hash.add(pools_.spheres.center);
+  hash.add(pools_.spheres.radius);
+  for (std::size_t k = 0; k < 3; ++k) {
+    hash.add(pools_.triangles.vertex[k]);
+    hash.add(pools_.triangles.normal[k]);
+  }
+  hash.add(pools_.triangles.normal_index);
+  hash.add(pools_.polygons.vertex);
+  hash.add(pools_.polygons.first_vertex);
+  hash.add(pools_.cones.base);
+  hash.add(pools_.cones.axis);
+  for (const Column<float>& radius : pools_.cones.radius) hash.add(radius);
+  for (const MaterialRun& run : materials_) {
+    hash.add(static_cast<double>(run.first_prim));
+    hash.add(run.material.color);
+    for (const double value : {run.material.diffuse, run.material.specular, run.material.shine, run.material.transmittance, run.material.ior}) hash.add(value);
+  }
+  for (const Light& light : lights) {
+    hash.add(light.position);
+    hash.add(light.color);
+  }
+  hash.add(camera.eye);
+  hash.add(camera.look_at);
+  hash.add(camera.up);
+  hash.add(camera.fov_degrees);
+  hash.add(background);
+  return hash.value();
+}
+
+}  // namespace raymeter

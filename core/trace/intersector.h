@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/ray/views.h"
+#include "core/stats/counters.h"
+
+namespace raymeter {
+
+/// Answers ray queries on one built structure, for one instruction set and packet size. The only virtual seam of the tracer: one call per slice of a batch.
+/// Calls on different slices may run at the same time; no state may depend on which thread runs which.
+class Intersector {
+public:
+  virtual ~Intersector() = default;
+  /// Sees the whole batch before it is sliced; its time is a phase of its own.
+  virtual void prepare(const RayView&) {}
+  /// Scratch space that a slice needs, in bytes.
+  [[nodiscard]] virtual std::size_t scratch_bytes() const noexcept { return 0; }
+  /// Nearest hit of each ray, ties to the smallest primitive id. Counters null: the timed kernel; given: the counting one. `scratch` is 64-byte aligned.
+  virtual void closest_hit(const RayView& rays, const HitView& hits, Counters* counters, std::byte* scratch) const noexcept = 0;
+  /// blocker[i]: some primitive that blocks ray i, -1 where it is free.
+  virtual void any_hit(const RayView& rays, std::int32_t* blocker, Counters* counters, std::byte* scratch) const noexcept = 0;
+};
+
+}  // namespace raymeter

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/column.h"
+#include "core/ray/ray_batch.h"
+#include "core/trace/intersector.h"
+
+namespace raymeter {
+
+/// Rays per slice: the grain of threads and of virtual calls. A multiple of the largest packet, so that packets do not depend on threads.
+inline constexpr std::int32_t kSliceRays = 1024;
+
+/// Traces a batch on at most `threads` threads (0: all). `hits` is resized. Counts, where asked for, are added; they do not depend on `threads`.
+void trace_closest(const Intersector& intersector, const RayBatch& rays, HitBatch& hits, int threads, Counters* counters = nullptr);
+void trace_any(const Intersector& intersector, const RayBatch& rays, Column<std::int32_t>& blocker, int threads, Counters* counters = nullptr);
+
+/// The number of threads that 0 stands for.
+[[nodiscard]] int all_threads() noexcept;
+
+}  // namespace raymeter
