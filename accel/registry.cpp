@@ -4,6 +4,7 @@
 #include <charconv>
 #include <string>
 
+#include "accel/bvh/bvh.h"
 #include "accel/list/list.h"
 
 namespace raymeter {
@@ -11,7 +12,7 @@ namespace raymeter {
 namespace {
 
 // THE table: a new technique is one folder and one row here.
-constexpr std::array kStructures{kListEntry};
+constexpr std::array kStructures{kListEntry, kBvhEntry};
 
 /// Reads a value as the type that the parameter has.
 ParamValue parse_value(const ParamInfo& info, std::string_view text) {

@@ -4,10 +4,9 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/info.h>
 #include <tbb/parallel_for.h>
-#include <tbb/partitioner.h>
-#include <tbb/task_arena.h>
+
+#include "core/base/threads.h"
 
 namespace raymeter {
 
@@ -37,8 +36,7 @@ void for_each_slice(const Intersector& intersector, std::size_t ray_count, int t
     take(worker);
   } else {
     tbb::enumerable_thread_specific<Worker> workers(new_worker);
-    tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-    arena.execute([&] {
+    on_threads(threads, [&] {
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, slices), [&](const tbb::blocked_range<std::size_t>& range) {
         Worker& worker = workers.local();
         for (std::size_t slice = range.begin(); slice < range.end(); ++slice) run(worker, slice);
@@ -64,7 +62,5 @@ void trace_any(const Intersector& intersector, const RayBatch& rays, Column<std:
     intersector.any_hit(rays.view(first, count), blocker.data() + first, sums, scratch);
   });
 }
-
-int all_threads() noexcept { return tbb::info::default_concurrency(); }
 
 }  // namespace raymeter

@@ -15,7 +15,4 @@ inline constexpr std::int32_t kSliceRays = 1024;
 void trace_closest(const Intersector& intersector, const RayBatch& rays, HitBatch& hits, int threads, Counters* counters = nullptr);
 void trace_any(const Intersector& intersector, const RayBatch& rays, Column<std::int32_t>& blocker, int threads, Counters* counters = nullptr);
 
-/// The number of threads that 0 stands for.
-[[nodiscard]] int all_threads() noexcept;
-
 }  // namespace raymeter

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/task_arena.h>
+
+namespace raymeter {
+
+/// The number of threads that 0 stands for.
+[[nodiscard]] inline int all_threads() noexcept { return tbb::info::default_concurrency(); }
+
+/// Runs `body` in an arena of `threads` threads (0: all), more than the machine has where that is asked for. Returns what it returns.
+template <class Body>
+auto on_threads(int threads, Body&& body) {
+  const int count = threads > 0 ? threads : all_threads();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(std::max(count, all_threads())));
+  tbb::task_arena arena(count);
+  return arena.execute(std::forward<Body>(body));
+}
+
+}  // namespace raymeter
