@@ -1,0 +1,23 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "core/scene/scene.h"
+#include "experiments/scenes/source_file.h"
+
+namespace raymeter {
+
+/// A kind of scene file. Readers throw Error, naming the line, byte or element, for whatever their format does not allow, and give default views.
+struct SceneFormat {
+  std::string_view extension;  ///< with the dot, in lower case
+  std::string_view summary;
+  Scene (*read)(const SourceFile& file);
+};
+
+[[nodiscard]] std::span<const SceneFormat> scene_formats() noexcept;
+
+/// Neutral File Format. Triangles (`p` and `pp` of 3 vertices) become triangles, larger ones polygons, whose vertex normals are not kept.
+[[nodiscard]] Scene read_nff(const SourceFile& file);
+
+}  // namespace raymeter

@@ -1,0 +1,49 @@
+#include "experiments/scenes/scene_source.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "experiments/scenes/scene_readers.h"
+
+namespace raymeter {
+
+namespace {
+
+constexpr std::array kFormats{
+    SceneFormat{".nff", "Neutral File Format", read_nff},
+};
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower;
+}
+
+Scene load_file(const std::string& path) {
+  const std::string name = lower_case(without_compression(path));
+  const auto* const format = std::find_if(kFormats.begin(), kFormats.end(), [&](const SceneFormat& known) { return name.ends_with(known.extension); });
+  if (format == kFormats.end()) {
+    std::string known;
+    for (const SceneFormat& row : kFormats) known.append(known.empty() ? "" : " ").append(row.extension);
+    throw Error(fmt::format("{}: unknown kind of scene; expected a file that ends in one of {} (.xz or .gz may follow), or spd:NAME or gen:NAME", path, known));
+  }
+  return format->read(read_source_file(path));
+}
+
+}  // namespace
+
+std::span<const SceneFormat> scene_formats() noexcept { return kFormats; }
+
+Scene load_scene(std::string_view spec) {
+  Scene scene = load_file(std::string(spec));
+  scene.name = spec;
+  scene.finish();
+  return scene;
+}
+
+}  // namespace raymeter

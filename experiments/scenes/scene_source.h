@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string_view>
+
+#include "core/scene/scene.h"
+
+namespace raymeter {
+
+/// The scene that `spec` names: a generator ("spd:balls", "spd:balls:4", "gen:terrain:100000") or a file ("hall.obj", "tree.nff.xz"). Its name is `spec`, its
+/// memory is trimmed. Throws Error for what does not exist or is damaged.
+[[nodiscard]] Scene load_scene(std::string_view spec);
+
+}  // namespace raymeter
