@@ -1,11 +1,11 @@
 #include <array>
-#include <cmath>
 #include <limits>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "experiments/scenes/default_view.h"
+#include "experiments/scenes/nff_defaults.h"
 #include "experiments/scenes/scene_readers.h"
 #include "experiments/scenes/text_reader.h"
 
@@ -21,7 +21,7 @@ public:
   Scene read() {
     while (!text_.at_end()) read_entity();
     // Lights without a colour share one unit of intensity, as is usual for NFF.
-    for (const std::size_t light : uncolored_lights_) scene_.lights[light].color = glm::dvec3(1 / std::sqrt(static_cast<double>(scene_.lights.size())));
+    for (const std::size_t light : uncolored_lights_) scene_.lights[light].color = default_light_color(scene_.lights.size());
     if (!has_camera_) add_default_camera(scene_);
     if (scene_.lights.empty()) add_default_light(scene_);
     return std::move(scene_);
