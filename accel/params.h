@@ -78,7 +78,9 @@ template <class Params>
   Params params;
   const std::vector<ParamInfo> infos = param_infos<Params>();
   const auto fields = Params::fields();
-  for (const auto& [key, value] : values) {
+  for (const auto& entry : values) {
+    const std::string& key = entry.first;
+    const ParamValue& value = entry.second;  // clang 14 captures no structured bindings
     std::size_t i = 0;
     while (i < infos.size() && infos[i].key != key) ++i;
     if (i == infos.size()) params_detail::unknown_key(key, infos);
