@@ -2,7 +2,7 @@
 
 #include "accel/bvh/bvh_layout.h"
 #include "core/ray/trace_args.h"
-#include "core/simd/isa.h"
+#include "core/simd/isa_enum.h"
 #include "core/stats/counters.h"
 
 namespace raymeter {

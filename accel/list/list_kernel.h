@@ -5,7 +5,7 @@
 #include "core/geometry/primitive_run.h"
 #include "core/ray/trace_args.h"
 #include "core/scene/pools_view.h"
-#include "core/simd/isa.h"
+#include "core/simd/isa_enum.h"
 #include "core/stats/counters.h"
 
 namespace raymeter {

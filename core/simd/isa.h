@@ -1,14 +1,13 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
+#include <cstddef>
 #include <optional>
 #include <string_view>
 
-namespace raymeter {
+#include "core/simd/isa_enum.h"
 
-/// Instruction sets a kernel is compiled for, in clusters; `scalar` is the honest baseline of a SIMD speed-up.
-enum class Isa : std::uint8_t { scalar, sse42, avx2, avx512 };
+namespace raymeter {
 
 inline constexpr std::array kIsas{Isa::scalar, Isa::sse42, Isa::avx2, Isa::avx512};
 

@@ -9,7 +9,7 @@
 
 #include <xsimd/xsimd.hpp>
 
-#include "core/simd/isa.h"
+#include "core/simd/isa_enum.h"
 
 namespace raymeter {
 
