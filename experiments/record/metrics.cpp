@@ -1,0 +1,114 @@
+#include "experiments/record/metrics.h"
+
+#include <array>
+
+namespace raymeter {
+
+namespace {
+
+constexpr std::array<std::string_view, 16> kKeyColumns{"cell_id",   "scene",     "num_prims", "needs",      "rays", "phase",      "structure", "params",
+                                                       "first_hit", "occlusion", "max_depth", "min_weight", "isa",  "simd_width", "packet",    "threads"};
+
+using enum Better;
+
+// Names in capitals are the symbols of the ray-shooting literature.
+constexpr std::array kMetrics{
+    Metric{Table::samples, "sample", neither, "number of the timed pass, from 0"},
+    Metric{Table::samples, "order_index", neither, "place in the order in which the run took its samples"},
+    Metric{Table::samples, "trace_ms", lower, "time of the pass: prepare and trace, without making rays"},
+    Metric{Table::samples, "rays_traced", exact, "rays of the pass"},
+    Metric{Table::samples, "mrays_per_s", higher, "million rays per second"},
+    Metric{Table::samples, "ns_per_ray", lower, "trace_ms / rays_traced"},
+    Metric{Table::samples, "status", neither, "ok, or wrong where the pass gave other hits than the verified ones"},
+
+    Metric{Table::builds, "build_ms", lower, "time to build the structure from the scene (T_B)"},
+    Metric{Table::builds, "mprims_per_s", higher, "million primitives built per second"},
+    Metric{Table::builds, "nodes", exact, "interior nodes and leaves"},
+    Metric{Table::builds, "interior_nodes", exact, "nodes with children"},
+    Metric{Table::builds, "leaves", exact, "leaves; the cells of a grid"},
+    Metric{Table::builds, "empty_leaves", exact, "leaves without a primitive"},
+    Metric{Table::builds, "references", exact, "primitive references over all leaves"},
+    Metric{Table::builds, "max_depth", exact, "of the deepest leaf, the root being 0 (the structure's; the cell's is among the key columns)"},
+    Metric{Table::builds, "sah_cost", lower, "expected tests of a random line that meets the root, traversal and intersection costing 1"},
+    Metric{Table::builds, "epo", lower, "end-point overlap"},
+    Metric{Table::builds, "mem_bytes", lower, "of the structure alone"},
+    Metric{Table::builds, "bytes_per_prim", lower, "of the structure and the scene together, per primitive"},
+    Metric{Table::builds, "break_even_rays", lower, "rays after which the build has paid off"},
+    Metric{Table::builds, "scene_bytes", lower, "of the scene alone"},
+
+    Metric{Table::counters, "ray_count", exact, "rays of the pass"},
+    Metric{Table::counters, "node_visits", exact, "interior nodes opened, cells stepped into"},
+    Metric{Table::counters, "leaf_visits", exact, "leaves (elementary cells) entered"},
+    Metric{Table::counters, "empty_leaf_visits", exact, "those that hold no primitive"},
+    Metric{Table::counters, "volume_tests", exact, "tests of a ray against a bounding volume"},
+    Metric{Table::counters, "prim_tests", exact, "tests of a ray against a primitive"},
+    Metric{Table::counters, "prim_hits", exact, "those that found a hit inside the ray's interval"},
+    Metric{Table::counters, "cache_tests", exact, "tests of a cached blocker"},
+    Metric{Table::counters, "cache_hits", exact, "those that block"},
+    Metric{Table::counters, "node_visits_packets", exact, "times a register-wide node visit was executed"},
+    Metric{Table::counters, "leaf_visits_packets", exact, "likewise"},
+    Metric{Table::counters, "empty_leaf_visits_packets", exact, "likewise"},
+    Metric{Table::counters, "volume_tests_packets", exact, "likewise"},
+    Metric{Table::counters, "prim_tests_packets", exact, "likewise: the cost that SIMD really pays"},
+    Metric{Table::counters, "prim_hits_packets", exact, "likewise"},
+    Metric{Table::counters, "cache_tests_packets", exact, "likewise"},
+    Metric{Table::counters, "cache_hits_packets", exact, "likewise"},
+    Metric{Table::counters, "node_visits_per_ray", lower, "node_visits / ray_count (N_TS, where nodes are all that is traversed)"},
+    Metric{Table::counters, "prim_tests_per_ray", lower, "prim_tests / ray_count (N_IT, with packet 1)"},
+    Metric{Table::counters, "simd_utilization", higher, "live lanes / executed lanes over node visits, volume and primitive tests"},
+
+    Metric{Table::accuracy, "rays_checked", neither, "rays held against the exact oracle"},
+    Metric{Table::accuracy, "false_miss", exact, "hits that were missed"},
+    Metric{Table::accuracy, "false_hit", exact, "hits where there is nothing"},
+    Metric{Table::accuracy, "wrong_prim", exact, "hits of a primitive that is not the nearest"},
+    Metric{Table::accuracy, "self_hits", exact, "secondary rays that hit the surface they start from"},
+    Metric{Table::accuracy, "t_ulp_p50", lower, "distance's error in units in the last place, median"},
+    Metric{Table::accuracy, "t_ulp_p99", lower, "the same, 99th percentile"},
+    Metric{Table::accuracy, "t_ulp_max", lower, "the same, largest"},
+    Metric{Table::accuracy, "image_rmse", lower, "of whole images, against the reference technique's"},
+    Metric{Table::accuracy, "image_psnr", higher, "of whole images"},
+    Metric{Table::accuracy, "image_ssim", higher, "of whole images"},
+
+    Metric{Table::summary, "n", neither, "timed passes"},
+    Metric{Table::summary, "median_ns_per_ray", lower, "median over the passes"},
+    Metric{Table::summary, "ci_lo", neither, "distribution-free 95 % interval of that median, lower end; empty below 6 passes"},
+    Metric{Table::summary, "ci_hi", neither, "upper end"},
+    Metric{Table::summary, "mad", lower, "median absolute deviation of ns_per_ray, unscaled"},
+    Metric{Table::summary, "mrays_per_s", higher, "1000 / median_ns_per_ray"},
+    Metric{Table::summary, "build_ms", lower, "as in builds (T_B)"},
+    Metric{Table::summary, "time_to_image_ms", lower, "build and one whole frame"},
+    Metric{Table::summary, "mem_bytes", lower, "as in builds"},
+    Metric{Table::summary, "node_visits_per_ray", lower, "as in counters"},
+    Metric{Table::summary, "prim_tests_per_ray", lower, "as in counters (N_IT)"},
+    Metric{Table::summary, "simd_utilization", higher, "as in counters"},
+    Metric{Table::summary, "ratio_vs_ref", lower, "time against the reference cell's: median over the passes that ran side by side"},
+    Metric{Table::summary, "ratio_lo", neither, "distribution-free 95 % interval of that median, lower end"},
+    Metric{Table::summary, "ratio_hi", neither, "upper end"},
+    Metric{Table::summary, "hit_mismatch", exact, "rays whose hit differs from the reference technique's or from the oracle"},
+    Metric{Table::summary, "status", neither, "ok, wrong, skipped, timeout, failed or unfinished"},
+};
+
+}  // namespace
+
+std::string_view name(Table table) noexcept {
+  constexpr std::array<std::string_view, 5> names{"samples", "builds", "counters", "accuracy", "summary"};
+  return names[static_cast<std::size_t>(table)];
+}
+
+std::string_view name(Better better) noexcept {
+  constexpr std::array<std::string_view, 4> names{"lower", "higher", "exact", "-"};
+  return names[static_cast<std::size_t>(better)];
+}
+
+std::span<const Metric> metrics() noexcept { return kMetrics; }
+std::span<const std::string_view> key_columns() noexcept { return kKeyColumns; }
+
+std::vector<std::string_view> columns(Table table) {
+  std::vector<std::string_view> names(kKeyColumns.begin(), kKeyColumns.end());
+  for (const Metric& metric : kMetrics) {
+    if (metric.table == table) names.push_back(metric.name);
+  }
+  return names;
+}
+
+}  // namespace raymeter
