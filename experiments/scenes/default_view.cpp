@@ -31,19 +31,18 @@ Sphere bounding_sphere(const Scene& scene) {
 
 }  // namespace
 
-void add_default_camera(Scene& scene) {
+void complete_view(Scene& scene, bool has_camera) {
+  if (has_camera && !scene.lights.empty()) return;
   const Sphere bounds = bounding_sphere(scene);
-  Camera camera;
-  const double distance = bounds.radius / std::sin(camera.fov_degrees / 2 * std::numbers::pi / 180);
-  camera.look_at = bounds.center;
-  camera.eye = bounds.center + distance * glm::normalize(glm::dvec3(0.5, 0.4, 1));
-  camera.up = {0, 1, 0};
-  scene.camera = camera;
-}
-
-void add_default_light(Scene& scene) {
-  const Sphere bounds = bounding_sphere(scene);
-  scene.lights.push_back({bounds.center + 6 * bounds.radius * glm::normalize(glm::dvec3(-1, 2, 2)), glm::dvec3(1.0)});
+  if (!has_camera) {
+    Camera camera;
+    const double distance = bounds.radius / std::sin(camera.fov_degrees / 2 * std::numbers::pi / 180);
+    camera.look_at = bounds.center;
+    camera.eye = bounds.center + distance * glm::normalize(glm::dvec3(0.5, 0.4, 1));
+    camera.up = {0, 1, 0};
+    scene.camera = camera;
+  }
+  if (scene.lights.empty()) scene.lights.push_back({bounds.center + 6 * bounds.radius * glm::normalize(glm::dvec3(-1, 2, 2)), glm::dvec3(1.0)});
 }
 
 }  // namespace raymeter

@@ -22,8 +22,7 @@ public:
     while (!text_.at_end()) read_entity();
     // Lights without a colour share one unit of intensity, as is usual for NFF.
     for (const std::size_t light : uncolored_lights_) scene_.lights[light].color = default_light_color(scene_.lights.size());
-    if (!has_camera_) add_default_camera(scene_);
-    if (scene_.lights.empty()) add_default_light(scene_);
+    complete_view(scene_, has_camera_);
     return std::move(scene_);
   }
 
@@ -59,7 +58,7 @@ private:
     } else if (entity == "p" || entity == "pp") {
       read_polygon(entity == "pp");
     } else {
-      throw text_.error(fmt::format("unknown entity {}; expected one of v b l f s c p pp #", quoted(entity)));
+      throw text_.error(fmt::format("unknown entity {}; expected one of v b l f s c p pp #", in_quotes(entity)));
     }
   }
 

@@ -19,5 +19,9 @@ struct SceneFormat {
 
 /// Neutral File Format. Triangles (`p` and `pp` of 3 vertices) become triangles, larger ones polygons, whose vertex normals are not kept.
 [[nodiscard]] Scene read_nff(const SourceFile& file);
+/// PLY, ASCII or binary of both byte orders: elements `vertex` (x y z, nx ny nz) and `face`, made primitives by add_face; everything else is skipped.
+[[nodiscard]] Scene read_ply(const SourceFile& file);
+/// STL, ASCII or binary. The solids of an ASCII file are composite objects.
+[[nodiscard]] Scene read_stl(const SourceFile& file);
 
 }  // namespace raymeter

@@ -6,8 +6,8 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
+#include "experiments/scenes/generators.h"
 #include "experiments/scenes/scene_readers.h"
 
 namespace raymeter {
@@ -16,6 +16,8 @@ namespace {
 
 constexpr std::array kFormats{
     SceneFormat{".nff", "Neutral File Format", read_nff},
+    SceneFormat{".ply", "Polygon File Format, ASCII or binary", read_ply},
+    SceneFormat{".stl", "Stereolithography, ASCII or binary", read_stl},
 };
 
 std::string lower_case(std::string_view text) {
@@ -40,6 +42,7 @@ Scene load_file(const std::string& path) {
 std::span<const SceneFormat> scene_formats() noexcept { return kFormats; }
 
 Scene load_scene(std::string_view spec) {
+  if (spec.starts_with("spd:") || spec.starts_with("gen:")) return generate_scene(spec);
   Scene scene = load_file(std::string(spec));
   scene.name = spec;
   scene.finish();

@@ -31,7 +31,7 @@ std::optional<double> parse_number(std::string_view token) {
   return value;
 }
 
-std::string quoted(std::string_view token) {
+std::string in_quotes(std::string_view token) {
   constexpr std::size_t kShown = 40;
   std::string text = "'";
   for (const char c : token.substr(0, kShown)) {
@@ -92,7 +92,7 @@ std::string_view TextReader::next(std::string_view expected) {
 double TextReader::number(std::string_view expected) {
   const std::string_view token = next(expected);
   const std::optional<double> value = parse_number(token);
-  if (!value) throw error(fmt::format("{} is not a number; expected {}", quoted(token), expected));
+  if (!value) throw error(fmt::format("{} is not a number; expected {}", in_quotes(token), expected));
   return *value;
 }
 
@@ -108,14 +108,14 @@ std::int64_t TextReader::integer(std::string_view expected, std::int64_t min, st
   std::int64_t value = 0;
   const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (failure != std::errc() || end != digits.data() + digits.size() || value < min || value > max) {
-    throw error(fmt::format("{} is not allowed; expected {}, an integer from {} to {}", quoted(token), expected, min, max));
+    throw error(fmt::format("{} is not allowed; expected {}, an integer from {} to {}", in_quotes(token), expected, min, max));
   }
   return value;
 }
 
 void TextReader::keyword(std::string_view word) {
-  const std::string_view token = next(quoted(word));
-  if (token != word) throw error(fmt::format("unknown {}; expected {}", quoted(token), quoted(word)));
+  const std::string_view token = next(in_quotes(word));
+  if (token != word) throw error(fmt::format("unknown {}; expected {}", in_quotes(token), in_quotes(word)));
 }
 
 std::string_view TextReader::rest_of_line() noexcept {

@@ -93,6 +93,27 @@ TEST(SceneSource, LoadsEveryProceduralDatabase) {
   }
 }
 
+TEST(SceneSource, LoadsEveryMesh) {
+  if (!std::filesystem::exists("../shared/meshes")) GTEST_SKIP() << "../shared/meshes is not here";
+  constexpr std::array<std::pair<const char*, std::size_t>, 11> kTriangles{{{"armadillo", 52000},
+                                                                            {"bunny", 69451},
+                                                                            {"dragon", 871414},
+                                                                            {"dragon_res2", 202520},
+                                                                            {"forest", 422402},
+                                                                            {"hairball", 288000},
+                                                                            {"kitchen", 1021813},
+                                                                            {"pine", 1650},
+                                                                            {"spaceship", 257480},
+                                                                            {"spot", 5856},
+                                                                            {"teapot_stadium", 20900}}};
+  for (const auto& [name, triangles] : kTriangles) {
+    const Scene scene = load_scene(std::string("../shared/meshes/") + name + ".ply.xz");
+    EXPECT_EQ(scene.pools().triangles.size(), triangles) << name;
+    EXPECT_EQ(static_cast<std::size_t>(scene.prim_count()), triangles) << name;
+    EXPECT_EQ(scene.dropped_count(), 0) << name;
+  }
+}
+
 TEST(SceneSource, ReadsGzipAndUpperCaseEndings) {
   // gzip of "s 0 0 0 1\n", without a time stamp.
   const std::string gzip("\x1f\x8b\x08\x00\x00\x00\x00\x00\x02\xff\x2b\x56\x30\x00\x43\x43\x2e\x00\xeb\xc6\x20\x1d\x0a\x00\x00\x00", 26);
@@ -104,11 +125,18 @@ TEST(SceneSource, ReadsGzipAndUpperCaseEndings) {
   expect_error(plain.path(), plain.path() + ": is not compressed as its name says; expected xz or gzip data");
 }
 
+TEST(SceneSource, PassesGeneratorsOn) {
+  EXPECT_EQ(load_scene("spd:balls:1").prim_count(), 11);
+  EXPECT_EQ(load_scene("spd:balls:1").name, "spd:balls:1");
+  EXPECT_THROW((void)load_scene("spd:bowls"), Error);
+  EXPECT_THROW((void)load_scene("gen:"), Error);
+}
+
 TEST(SceneSource, SaysWhatIsNotThere) {
   expect_error("no/such/file.nff", "no/such/file.nff: no such file");
   const TempFile other("scene.txt", "");
   expect_error(other.path(),
-               other.path() + ": unknown kind of scene; expected a file that ends in one of .nff (.xz or .gz may follow), or spd:NAME or gen:NAME");
+               other.path() + ": unknown kind of scene; expected a file that ends in one of .nff .ply .stl (.xz or .gz may follow), or spd:NAME or gen:NAME");
   const std::string folder = testing::TempDir() + "raymeter_folder.nff";
   std::filesystem::create_directory(folder);
   expect_error(folder, folder + ": is not a regular file");
