@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include <glm/vec3.hpp>
 
 namespace raymeter {
@@ -14,6 +16,40 @@ struct Camera {
   int width = 512;
   int height = 512;
   friend bool operator==(const Camera&, const Camera&) = default;
+};
+
+/// Where the samples of an image lie, and with it the rules of the comparison that the image belongs to (render/whitted.h has the rest of them).
+/// Sample i of N lies, in units of tan(fov / 2), at
+enum class CameraConvention : std::uint8_t {
+  spd,     ///< (2i - (N-1)) / (N-2): with N = 513 the pixel corners of NFF's 512 pixels, whose outermost centres span the field of view
+  havran,  ///< 2i / (N-1) - 1: the outermost samples span the field of view
+  pixel,   ///< (2i + 1) / N - 1: pixel centres; the outermost pixel borders span the field of view
+};
+
+/// Which eye rays an image has. Pixels are square: where width and height differ, the field of view is that of the vertical axis.
+struct CameraModel {
+  Camera camera;
+  CameraConvention convention = CameraConvention::pixel;
+  int width = 512;
+  int height = 512;
+  [[nodiscard]] std::int32_t pixel_count() const noexcept { return width * height; }
+};
+
+/// The eye rays of a camera model. A view direction or `up` that gives no frame (zero, parallel) is replaced by an axis.
+class EyeRays {
+public:
+  explicit EyeRays(const CameraModel& model) noexcept;
+  [[nodiscard]] const glm::dvec3& eye() const noexcept { return eye_; }
+  /// Unit direction through sample (x, y), x to the right from 0, y downwards from 0.
+  [[nodiscard]] glm::dvec3 direction(int x, int y) const noexcept;
+
+private:
+  glm::dvec3 eye_;
+  glm::dvec3 center_;  ///< unit, towards what is looked at
+  glm::dvec3 right_;   ///< half a sample distance to the right on the image plane at distance 1
+  glm::dvec3 down_;
+  int width_;
+  int height_;
 };
 
 }  // namespace raymeter

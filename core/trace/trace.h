@@ -5,11 +5,9 @@
 #include "core/base/column.h"
 #include "core/ray/ray_batch.h"
 #include "core/trace/intersector.h"
+#include "core/trace/slices.h"
 
 namespace raymeter {
-
-/// Rays per slice: the grain of threads and of virtual calls. A multiple of the largest packet, so that packets do not depend on threads.
-inline constexpr std::int32_t kSliceRays = 1024;
 
 /// Traces a batch on at most `threads` threads (0: all). `hits` is resized. Counts, where asked for, are added; they do not depend on `threads`.
 void trace_closest(const Intersector& intersector, const RayBatch& rays, HitBatch& hits, int threads, Counters* counters = nullptr);

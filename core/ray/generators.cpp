@@ -1,0 +1,201 @@
+#include "core/ray/generators.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+#include "core/base/random.h"
+#include "core/bounds/aabb.h"
+#include "core/ray/pixel_order.h"
+#include "core/scene/surface.h"
+#include "core/trace/trace.h"
+
+namespace raymeter {
+
+namespace {
+
+using glm::dvec3;
+constexpr std::array<std::string_view, kRayKinds.size()> kNames{"primary", "shadow", "reflection", "ambient_occlusion", "diffuse", "random"};
+
+RaySet resized(std::size_t size, Query query) {
+  RaySet set;
+  set.rays.resize(size);
+  set.pixel.resize(size);
+  set.query = query;
+  return set;
+}
+
+RandomStream stream(std::uint64_t seed, RayKind kind, std::int32_t pixel, int sample = 0) noexcept {
+  const auto key = (static_cast<std::uint64_t>(kind) << 8 | static_cast<std::uint64_t>(sample)) << 32 | static_cast<std::uint32_t>(pixel);
+  return RandomStream(seed, key);
+}
+
+/// Cosine-weighted about `normal` (unit): a uniform point of the disc, lifted to the hemisphere (Malley). The disc by rejection and an orthonormal frame without
+/// trigonometry (Duff et al. 2017, JCGT 6(1)): only operations that IEEE 754 rounds correctly, so that every compiler and libm gives the same rays.
+dvec3 cosine_direction(const dvec3& normal, RandomStream& random) noexcept {
+  double x, y, radius2;
+  do {
+    x = 2 * random.uniform() - 1;
+    y = 2 * random.uniform() - 1;
+    radius2 = x * x + y * y;
+  } while (radius2 >= 1);
+  const double sign = std::copysign(1.0, normal.z);
+  const double a = -1 / (sign + normal.z);
+  const double b = normal.x * normal.y * a;
+  const dvec3 tangent(1 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x);
+  const dvec3 bitangent(b, sign + normal.y * normal.y * a, -normal.y);
+  return x * tangent + y * bitangent + std::sqrt(1 - radius2) * normal;
+}
+
+struct PrimaryHit {
+  Surface surface;  ///< both normals turned to the eye
+  dvec3 dir;
+  std::int32_t pixel;
+};
+
+std::vector<PrimaryHit> primary_hits(const Scene& scene, const RaySet& primary, const Intersector& tracer, int threads) {
+  HitBatch hits;
+  trace_closest(tracer, primary.rays, hits, threads);
+  std::vector<std::size_t> ray_of_hit;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (hits.prim[i] >= 0) ray_of_hit.push_back(i);
+  }
+  std::vector<PrimaryHit> found(ray_of_hit.size());
+  for_each_slice(found.size(), threads, [&](std::size_t, std::size_t first, std::size_t count) {
+    for (std::size_t k = first; k < first + count; ++k) {
+      const std::size_t i = ray_of_hit[k];
+      const Ray ray = primary.rays[i];
+      const dvec3 dir(ray.dir[0], ray.dir[1], ray.dir[2]);
+      Surface surface = surface_at(scene, ray, hits.t[i], hits.prim[i]);
+      if (glm::dot(surface.geometric, dir) > 0) surface.geometric = -surface.geometric;
+      if (glm::dot(surface.shading, dir) > 0) surface.shading = -surface.shading;
+      found[k] = {surface, dir, primary.pixel[i]};
+    }
+  });
+  return found;
+}
+
+RaySet primary_rays(const CameraModel& model, int threads) {
+  const PixelOrder order(model.width, model.height);
+  Column<std::int32_t> pixels;
+  pixels.reserve(static_cast<std::size_t>(model.pixel_count()));
+  for (std::int32_t block = 0; block < order.block_count(); ++block) order.append_block(block, pixels);
+  RaySet set;
+  set.rays = eye_rays(model, pixels, threads);
+  set.pixel = std::move(pixels);
+  return set;
+}
+
+RaySet shadow_rays(const Scene& scene, const std::vector<PrimaryHit>& hits) {
+  RaySet set = resized(0, Query::any);
+  for (const Light& light : scene.lights) {
+    for (const PrimaryHit& hit : hits) {
+      if (glm::dot(hit.surface.shading, light.position - hit.surface.point) <= 0) continue;
+      set.rays.push_back(spawn_ray_to(hit.surface, light.position));
+      set.pixel.push_back(hit.pixel);
+    }
+  }
+  return set;
+}
+
+/// `samples` rays per hit, made by spawn(hit, sample).
+template <class Spawn>
+RaySet rays_from_hits(const std::vector<PrimaryHit>& hits, std::size_t samples, Query query, int threads, Spawn spawn) {
+  RaySet set = resized(hits.size() * samples, query);
+  for_each_slice(set.rays.size(), threads, [&](std::size_t, std::size_t first, std::size_t count) {
+    for (std::size_t i = first; i < first + count; ++i) {
+      const PrimaryHit& hit = hits[i / samples];
+      set.rays.set(i, spawn(hit, static_cast<int>(i % samples)));
+      set.pixel[i] = hit.pixel;
+    }
+  });
+  return set;
+}
+
+Aabb scene_box(const Scene& scene) noexcept {
+  Aabb box;
+  for (std::int32_t prim = 0; prim < scene.prim_id_count(); ++prim) {
+    if (!scene.prim(prim).dropped()) box.grow(tight_bounds(scene.pools(), scene.prim(prim)));
+  }
+  return box;
+}
+
+/// A line that meets a convex body enters it at a point that is uniform on the surface, in a direction that is cosine-weighted there.
+RaySet random_rays(const Scene& scene, std::int32_t count, std::uint64_t seed) {
+  const Aabb box = scene_box(scene);
+  if (box.empty()) return {};
+  const dvec3 low(box.min), extent = dvec3(box.max) - low;
+  const std::array<double, 3> area{extent.y * extent.z, extent.z * extent.x, extent.x * extent.y};
+  RaySet set = resized(static_cast<std::size_t>(count), Query::closest);
+  for (std::int32_t i = 0; i < count; ++i) {
+    RandomStream random = stream(seed, RayKind::random, i);
+    double pick = random.uniform() * (area[0] + area[1] + area[2]);
+    int axis = 0;
+    while (axis < 2 && pick >= area[static_cast<std::size_t>(axis)]) pick -= area[static_cast<std::size_t>(axis++)];
+    const bool high = (random.bits() & 1) != 0;
+    dvec3 point = low + extent * dvec3(random.uniform(), random.uniform(), random.uniform());
+    point[axis] = low[axis] + (high ? extent[axis] : 0.0);
+    dvec3 inwards(0.0);
+    inwards[axis] = high ? -1 : 1;
+    const glm::vec3 org(point), dir(cosine_direction(inwards, random));
+    set.rays.set(static_cast<std::size_t>(i), {{org.x, org.y, org.z}, 0, {dir.x, dir.y, dir.z}, std::numeric_limits<float>::infinity()});
+    set.pixel[static_cast<std::size_t>(i)] = i;
+  }
+  return set;
+}
+
+}  // namespace
+
+std::string_view name(RayKind kind) noexcept { return kNames[static_cast<std::size_t>(kind)]; }
+
+std::optional<RayKind> ray_kind_from_name(std::string_view name) noexcept {
+  const auto found = std::find(kNames.begin(), kNames.end(), name);
+  if (found == kNames.end()) return std::nullopt;
+  return kRayKinds[static_cast<std::size_t>(found - kNames.begin())];
+}
+
+RayBatch eye_rays(const CameraModel& model, const Column<std::int32_t>& pixels, int threads) {
+  const EyeRays eye(model);
+  const glm::vec3 org(eye.eye());
+  RayBatch rays;
+  rays.resize(pixels.size());
+  for_each_slice(pixels.size(), threads, [&](std::size_t, std::size_t first, std::size_t count) {
+    for (std::size_t i = first; i < first + count; ++i) {
+      const glm::vec3 dir(eye.direction(pixels[i] % model.width, pixels[i] / model.width));
+      rays.set(i, {{org.x, org.y, org.z}, 0, {dir.x, dir.y, dir.z}, std::numeric_limits<float>::infinity()});
+    }
+  });
+  return rays;
+}
+
+RaySet make_rays(const Scene& scene, RayKind kind, const CameraModel& model, std::uint64_t seed, const Intersector& tracer, int threads) {
+  if (kind == RayKind::random) return random_rays(scene, model.pixel_count(), seed);
+  RaySet primary = primary_rays(model, threads);
+  if (kind == RayKind::primary) return primary;
+  const std::vector<PrimaryHit> hits = primary_hits(scene, primary, tracer, threads);
+  const auto bounce = [&](const PrimaryHit& hit, int sample) noexcept {
+    RandomStream random = stream(seed, kind, hit.pixel, sample);
+    return spawn_ray(hit.surface, cosine_direction(hit.surface.geometric, random));
+  };
+  switch (kind) {
+    case RayKind::shadow: return shadow_rays(scene, hits);
+    case RayKind::reflection:
+      return rays_from_hits(hits, 1, Query::closest, threads,
+                            [](const PrimaryHit& hit, int) noexcept { return spawn_ray(hit.surface, glm::reflect(hit.dir, hit.surface.shading)); });
+    case RayKind::ambient_occlusion: {
+      const Aabb box = scene_box(scene);
+      const auto reach = static_cast<float>(hits.empty() ? 0 : kAmbientOcclusionReach * glm::length(dvec3(box.max) - dvec3(box.min)));
+      return rays_from_hits(hits, kAmbientOcclusionSamples, Query::any, threads, [&](const PrimaryHit& hit, int sample) noexcept {
+        Ray ray = bounce(hit, sample);
+        ray.t_max = reach;
+        return ray;
+      });
+    }
+    default: return rays_from_hits(hits, 1, Query::closest, threads, bounce);
+  }
+}
+
+}  // namespace raymeter

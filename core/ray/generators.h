@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "core/base/column.h"
+#include "core/ray/ray_batch.h"
+#include "core/ray/ray_packet.h"
+#include "core/scene/camera.h"
+#include "core/scene/scene.h"
+#include "core/trace/intersector.h"
+
+namespace raymeter {
+
+/// Sets of rays to measure with. All but random start from the eye rays of a camera model or from what those hit; a point that was hit is recomputed in double
+/// (scene/surface.h), so that it does not depend on the tracer. Random numbers belong to (seed, kind, pixel, sample): sets depend on neither threads nor order.
+enum class RayKind : std::uint8_t {
+  primary,            ///< eye rays, in the order of PixelOrder
+  shadow,             ///< from each primary hit to each light that the surface faces on the eye's side, all hits for light 0, then for light 1...; the light is at
+                      ///< t = 1 and excluded (t_max one ulp below)
+  reflection,         ///< the mirrored eye ray at each primary hit, whatever the material, about the shading normal
+  ambient_occlusion,  ///< kAmbientOcclusionSamples per primary hit, cosine-weighted about the geometric normal on the eye's side, no longer than
+                      ///< kAmbientOcclusionReach of the diagonal of the scene's box
+  diffuse,            ///< one per primary hit, cosine-weighted as above, unbounded
+  random,             ///< as many as pixels: uniform over all directed lines that meet the scene's box (the measure invariant under motions, for which the chance
+                      ///< to meet a convex body inside is the ratio of the areas: what the surface area heuristic assumes), from where they enter it
+};
+inline constexpr std::array kRayKinds{RayKind::primary,           RayKind::shadow,  RayKind::reflection,
+                                      RayKind::ambient_occlusion, RayKind::diffuse, RayKind::random};
+
+[[nodiscard]] std::string_view name(RayKind kind) noexcept;
+[[nodiscard]] std::optional<RayKind> ray_kind_from_name(std::string_view name) noexcept;
+
+inline constexpr int kAmbientOcclusionSamples = 4;
+inline constexpr double kAmbientOcclusionReach = 0.1;
+
+struct RaySet {
+  RayBatch rays;
+  Query query = Query::closest;  ///< any for shadow and ambient_occlusion
+  Column<std::int32_t> pixel;    ///< y * width + x of the eye ray that each ray comes from; of random rays their number
+};
+
+/// The eye rays through the given pixels, y * width + x.
+[[nodiscard]] RayBatch eye_rays(const CameraModel& model, const Column<std::int32_t>& pixels, int threads);
+
+/// Makes a set; `tracer` finds the primary hits where the kind needs them.
+[[nodiscard]] RaySet make_rays(const Scene& scene, RayKind kind, const CameraModel& model, std::uint64_t seed, const Intersector& tracer, int threads);
+
+}  // namespace raymeter
