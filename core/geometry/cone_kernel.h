@@ -1,7 +1,9 @@
 #pragma once
 
-// Ray against an open cone or cylinder (NFF's `c`: no caps), seen from both sides. The quadratic is set up at the ray's closest approach to the middle of the
-// axis, so that its coefficients have the cone's own scale whatever the distance of the eye; the smaller root comes from the product of the roots.
+// Ray against an open cone or cylinder (NFF's `c`: no caps), seen from both sides. The quadratic is set up at the ray's closest approach to the axis, found in
+// two steps: to the middle of the axis, so that coordinates have the cone's own scale whatever the distance of the eye, then to its line, so that the roots lie
+// on either side at the scale of the radius there (a discriminant taken further away cancels: near a thin apex by length^2 / radius).
+// The smaller root comes from the product of the roots.
 //
 // Error: as for the sphere, P lies within about 8 roundings of (|P - org| + cone size) of the cone. Boundary band: that distance around silhouette and rims.
 
@@ -25,18 +27,24 @@ inline SurfaceHit<L> intersect_cone(const RayPacket<L>& ray, const HitPacket<L>&
     from_base[a] = ray.org[a] - Float(pool.base[a][i]);
     from_middle[a] = L::neg_mul_add(Float(0.5f), axis[a], from_base[a]);
   }
-  const Float closest = -dot(from_middle, ray.dir) * ray.inv_length2;
+  const Float to_middle = -dot(from_middle, ray.dir) * ray.inv_length2;
   const Float inv_axis2 = one / dot(axis, axis);
 
-  Float p[3];  // the closest approach, seen from the base
-  for (int a = 0; a < 3; ++a) p[a] = L::mul_add(closest, ray.dir[a], from_base[a]);
-  const Float height = dot(p, axis) * inv_axis2;       // 0 at the base, 1 at the apex
-  const Float climb = dot(ray.dir, axis) * inv_axis2;  // its change per unit of t
-  Float w[3], v[3];
+  Float p[3];  // the closest approach to the middle, seen from the base
+  for (int a = 0; a < 3; ++a) p[a] = L::mul_add(to_middle, ray.dir[a], from_base[a]);
+  const Float height_there = dot(p, axis) * inv_axis2;  // 0 at the base, 1 at the apex
+  const Float climb = dot(ray.dir, axis) * inv_axis2;   // its change per unit of t
+  Float w[3], v[3];                                     // off the axis, and its change per unit of t
   for (int a = 0; a < 3; ++a) {
-    w[a] = L::neg_mul_add(height, axis[a], p[a]);
+    w[a] = L::neg_mul_add(height_there, axis[a], p[a]);
     v[a] = L::neg_mul_add(climb, axis[a], ray.dir[a]);
   }
+  const Float to_line = -dot(w, v) / dot(v, v);
+  // Not further than the axis is long: of rays nearly along it (0 / 0 where exactly so) the closest approach is elsewhere, and the roots are far apart.
+  const Float shift = L::select(L::abs(to_line * climb) <= one, to_line, zero);
+  const Float closest = to_middle + shift;
+  const Float height = L::mul_add(shift, climb, height_there);
+  for (int a = 0; a < 3; ++a) w[a] = L::mul_add(shift, v[a], w[a]);
   const Float radius_here = L::mul_add(taper, height, radius);
   const Float narrowing = taper * climb;
   const Float quadratic = L::neg_mul_add(narrowing, narrowing, dot(v, v));
