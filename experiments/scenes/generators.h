@@ -14,7 +14,7 @@ struct SceneGenerator {
   std::string_view size_means;   ///< "recursion depth"
   int default_size;
   int min_size;
-  int max_size;              ///< the largest that has up to about 50 million primitives
+  int max_size;             ///< the largest that has up to about 50 million primitives
   Scene (*make)(int size);  ///< sets everything but Scene::name; the same bits for the same size
 };
 

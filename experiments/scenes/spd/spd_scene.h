@@ -12,7 +12,17 @@ namespace raymeter {
 // The Standard Procedural Databases: Haines, "A Proposal for Standard Graphics Environments", IEEE CG&A 7(11), 1987; release 3.14.
 // Each function makes one of them at the given size; primitives come in the order of the original programs' output. All arithmetic is in double.
 
-Scene make_balls(int size);
+[[nodiscard]] Scene make_balls(int size);
+[[nodiscard]] Scene make_gears(int size);
+[[nodiscard]] Scene make_mount(int size);
+[[nodiscard]] Scene make_rings(int size);
+[[nodiscard]] Scene make_teapot(int size);
+[[nodiscard]] Scene make_tetra(int size);
+[[nodiscard]] Scene make_tree(int size);
+[[nodiscard]] Scene make_lattice(int size);
+[[nodiscard]] Scene make_shells(int size);
+[[nodiscard]] Scene make_jacks(int size);
+[[nodiscard]] Scene make_sombrero(int size);
 
 // ---- What they share.
 
