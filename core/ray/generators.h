@@ -7,7 +7,7 @@
 
 #include "core/base/column.h"
 #include "core/ray/ray_batch.h"
-#include "core/ray/ray_packet.h"
+#include "core/ray/views.h"
 #include "core/scene/camera.h"
 #include "core/scene/scene.h"
 #include "core/trace/intersector.h"

@@ -52,9 +52,6 @@ struct SurfaceHit {
   typename L::Float v;
 };
 
-/// Closest: keeps the nearest hit, ties to the smaller id. Any: the first one found blocks the ray, which is dead then.
-enum class Query : std::uint8_t { closest, any };
-
 /// Lanes whose hit `candidate` improves: inside [t_min, hit.t], and on equal t the smaller id.
 template <class L>
 inline typename L::Mask improves(const RayPacket<L>& ray, const HitPacket<L>& hit, const SurfaceHit<L>& candidate, std::int32_t prim) noexcept {

@@ -7,6 +7,9 @@ namespace raymeter {
 /// Rays per packet, at most.
 inline constexpr int kMaxPacket = 64;
 
+/// Closest: keeps the nearest hit, ties to the smaller id. Any: the first one found blocks the ray, which is dead then.
+enum class Query : std::uint8_t { closest, any };
+
 /// Columns of `count` rays: origin, direction (not normalised: t is in its units), closed interval [t_min, t_max].
 /// Each column may be read kMaxPacket elements past its end.
 struct RayView {
