@@ -1,0 +1,59 @@
+"""Command line of scripts/report.py."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from .cells import load_cells
+from .document import make_report
+from .figures import readme_figure
+from .html import html
+from .markdown import markdown
+from .records import ReportError, read_run
+
+EPILOG = """example: scripts/report.py results/quick/20261122T170000Z_1a2b3c4_myhost
+
+One folder: report.md, report.html and plots/ are written into it. Several folders, for example shards of one run or the same run of two
+commits: one combined report is written into the folder "combined" in the first of them. A technique that several of them measured gets
+the name of the folder behind its label."""
+
+
+def parse_arguments(argv: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="report.py", description="Makes a report from results folders of raymeter.", epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folders", nargs="+", type=Path, metavar="DIR", help="results folder")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="write the report into this folder")
+    parser.add_argument("--readme-figure", type=Path, metavar="OUT.svg", help="write only the figure of the README to this file")
+    return parser.parse_args(argv)
+
+
+def main(argv: Sequence[str]) -> int:
+    """Exit codes: 0 written, 1 could not write, 2 the input is no results folder or lacks a column."""
+    arguments = parse_arguments(argv)
+    try:
+        runs = [read_run(folder) for folder in dict.fromkeys(arguments.folders)]
+        if arguments.readme_figure:
+            figure = readme_figure(load_cells(runs))
+            if figure is None:
+                raise ReportError(f"{runs[0].folder}: nothing was timed, so there is no figure to draw")
+            arguments.readme_figure.write_text(figure, encoding="utf-8")
+            print(arguments.readme_figure)
+            return 0
+        out = arguments.out or (runs[0].folder if len(runs) == 1 else runs[0].folder / "combined")
+        out.mkdir(parents=True, exist_ok=True)
+        report = make_report(runs, out)
+        for path, text in ((out / "report.md", markdown(report, out)), (out / "report.html", html(report, out))):
+            path.write_text(text, encoding="utf-8")
+            print(path)
+        for plot in report.plots:
+            for path in plot.files:
+                print(path)
+    except ReportError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(error, file=sys.stderr)
+        return 1
+    return 0

@@ -1,0 +1,216 @@
+"""All figures of a report: which exist for the data at hand, their captions and their files."""
+
+import statistics
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from .cells import Cell, at_setting, describe_setting, finite, main_setting, rays_of, scenes_of
+from .figure_dots import Dot, Panel, dot_figure
+from .figure_scatter import Point, run_order_figure, scatter_figure
+from .figure_sweep import sweep, sweep_figure
+from .records import Record, Run
+from .style import Look, inline_svg, looks, neutral_svg, save_figure, styled, svg_of
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A figure that was written, ready to be placed in a report."""
+
+    name: str
+    title: str
+    caption: str
+    inline: str = ""
+    files: list[Path] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A figure before it is written."""
+
+    name: str
+    title: str
+    caption: str
+    figure: Figure
+
+
+def write_plots(runs: Sequence[Run], cells: Sequence[Cell], folder: Path) -> list[Plot]:
+    """Draws every figure that the data allow and writes each as SVG, PNG and PDF into `folder`."""
+    plots: list[Plot] = []
+    folder.mkdir(parents=True, exist_ok=True)
+    with styled():
+        for draft in drafts(runs, cells):
+            files = save_figure(draft.figure, folder, draft.name)
+            plots.append(Plot(draft.name, draft.title, draft.caption, inline_svg(files[0].read_text(encoding="utf-8")), files))
+    return plots
+
+
+def drafts(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Draft]:
+    """The figures in the order of the report."""
+    look_of = looks(cells)
+    setting = main_setting(cells)
+    chosen = at_setting(cells, setting)
+    where = describe_setting(setting)
+    result: list[Draft | None] = [
+        counter_draft(
+            "tests_per_ray", "Primitive tests per ray", "prim_tests_per_ray", chosen, look_of,
+            f"Ray-primitive tests per ray (N_IT in the literature) at {where}. Further left is better: fewer candidates reach the exact test. "
+            "A technique whose marks stay in place from the small scenes at the top to the large ones at the bottom scales well.",
+        ),
+        counter_draft(
+            "node_visits_per_ray", "Node visits per ray", "node_visits_per_ray", chosen, look_of,
+            f"Nodes or cells that a ray passes through (N_TS) at {where}. This is the price paid for saving tests: read it beside the previous "
+            "figure. A node of one structure may cost several times one of another; a technique without nodes has no mark.",
+        ),
+        speed_draft(cells, chosen, look_of, where),
+        scatter_draft(chosen, look_of, where),
+        build_draft(chosen, look_of),
+        *sweep_drafts(cells, look_of),
+        run_order_draft(runs, cells, look_of),
+    ]
+    return [draft for draft in result if draft is not None]
+
+
+def scene_sizes(cells: Sequence[Cell]) -> dict[str, float | None]:
+    sizes = {cell.scene: cell.number("num_prims") for cell in cells}
+    return {scene: sizes[scene] for scene in scenes_of(cells)}
+
+
+def counter_draft(name: str, title: str, column: str, cells: Sequence[Cell], look_of: dict[str, Look], caption: str) -> Draft | None:
+    """A dot plot of one counter; None where it was not measured or is zero throughout."""
+    having = [cell for cell in cells if cell.number(column)]
+    if not having:
+        return None
+    panels = [
+        Panel(rays, title.lower(), [Dot(cell.scene, cell.label, cell.number(column) or 0.0) for cell in having if cell.rays == rays])
+        for rays in rays_of(having)
+    ]
+    return Draft(name, title, caption, dot_figure(panels, scene_sizes(having), look_of))
+
+
+def speed_draft(cells: Sequence[Cell], chosen: Sequence[Cell], look_of: dict[str, Look], where: str) -> Draft | None:
+    """Mrays/s with intervals; those of the time per ray are turned into speeds."""
+    timed = [cell for cell in chosen if cell.number("mrays_per_s") is not None]
+    if not timed:
+        return None
+    measured = {(cell.scene, cell.rays, cell.label) for cell in timed}
+    failed = {(cell.scene, cell.rays, cell.label) for cell in cells if cell.state == "failed"} - measured
+    panels = []
+    for rays in rays_of(timed):
+        dots = [
+            Dot(cell.scene, cell.label, cell.number("mrays_per_s") or 0.0, speed_of(cell.number("ci_hi")), speed_of(cell.number("ci_lo")))
+            for cell in timed
+            if cell.rays == rays
+        ]
+        panels.append(Panel(rays, "million rays per second", dots, sorted((scene, label) for scene, kind, label in failed if kind == rays)))
+    scenes = {scene: size for scene, size in scene_sizes(cells).items() if scene in {cell.scene for cell in timed} | {key[0] for key in failed}}
+    caption = (
+        f"Rays per second at {where}. Further right is better. Bars are 95 % confidence intervals of the median; where none is visible it is "
+        "narrower than the mark, and where two overlap the order of the two techniques is not settled by this run."
+    )
+    return Draft("mrays_per_s", "Speed", caption, dot_figure(panels, scenes, look_of))
+
+
+def speed_of(nanoseconds: float | None) -> float | None:
+    """Time per ray [ns] as million rays per second."""
+    return 1e3 / nanoseconds if nanoseconds else None
+
+
+def points_of(cells: Sequence[Cell]) -> list[Point]:
+    """The cells that have both tests and time, as points of a logarithmic plane."""
+    points = []
+    for cell in cells:
+        tests, time = cell.number("prim_tests_per_ray"), cell.number("median_ns_per_ray")
+        if tests and time and tests > 0 and time > 0:
+            points.append(Point(cell.rays, cell.label, cell.scene, tests, time))
+    return points
+
+
+def scatter_draft(cells: Sequence[Cell], look_of: dict[str, Look], where: str) -> Draft | None:
+    """Tests per ray against time per ray."""
+    points = points_of(cells)
+    if not points:
+        return None
+    caption = (
+        f"Does saving tests save time? Each mark is one technique on one scene at {where}. Down and left is better. On a dotted diagonal all "
+        "time divided by all primitive tests is constant: a technique far above the lower diagonals spends its time elsewhere, in traversal."
+    )
+    kinds = [rays for rays in rays_of(cells) if any(point.rays == rays for point in points)]
+    return Draft("tests_vs_time", "Tests per ray against time per ray", caption, scatter_figure(points, kinds, look_of))
+
+
+def build_draft(cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:
+    """Build time and memory, one value per scene and technique: one build serves all its ray kinds."""
+    panels = []
+    for title, axis, column, factor in (
+        ("build time", "milliseconds", "build_ms", 1.0), ("memory", "MiB", "mem_bytes", 2.0**-20), ("memory per primitive", "bytes", "bytes_per_prim", 1.0)
+    ):
+        values: dict[tuple[str, str], list[float]] = defaultdict(list)
+        for cell in cells:
+            value = finite(cell.build.get(column))
+            if value is not None and value > 0:
+                values[cell.scene, cell.label].append(value * factor)
+        dots = [Dot(scene, label, statistics.median(all_of)) for (scene, label), all_of in values.items()]
+        if dots:
+            panels.append(Panel(title, axis, dots))
+    if not panels:
+        return None
+    caption = (
+        "What a structure costs before the first ray: its build time (T_B), its memory without the scene, and the memory of structure and scene "
+        "together per primitive. Further left is better."
+    )
+    return Draft("build", "Build time and memory", caption, dot_figure(panels, scene_sizes(cells), look_of, shared_scale=False))
+
+
+def sweep_drafts(cells: Sequence[Cell], look_of: dict[str, Look]) -> list[Draft]:
+    """Speed-up over ISA, packet size and threads, each where the run varied it."""
+    result = []
+    for column, name, title, axis, baseline in (
+        ("isa", "isa_speedup", "Speed-up of the instruction sets", "instruction set", "the first one"),
+        ("packet", "packet_speedup", "Speed-up of packets", "rays per packet", "the smallest size"),
+        ("threads", "thread_scaling", "Thread scaling", "threads", "the fewest threads"),
+    ):
+        data = sweep(cells, column)
+        if data is None:
+            continue
+        caption = (
+            f"Speed relative to {baseline} ({data.values[0]:g}) at {describe_setting(data.setting)}. " if isinstance(data.values[0], float)
+            else f"Speed relative to {data.values[0]} at {describe_setting(data.setting)}. "
+        ) + "Lines are geometric means over scenes, faint marks the single scenes."
+        if column == "threads":
+            caption += " The dashed line is perfect scaling."
+        result.append(Draft(name, title, caption, sweep_figure(data, cells, look_of, axis, ideal=column == "threads")))
+    return result
+
+
+def run_order_draft(runs: Sequence[Run], cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:
+    """Samples in their order, for a single run."""
+    if len(runs) != 1:
+        return None
+    label_of = {cell.summary["cell_id"]: cell.label for cell in cells}
+    times: dict[str, list[Record]] = defaultdict(list)
+    for sample in runs[0].tables["samples"]:
+        if sample["status"] == "ok" and finite(sample["ns_per_ray"]) and finite(sample["order_index"]) is not None and sample["cell_id"] in label_of:
+            times[str(sample["cell_id"])].append(sample)
+    relative = []
+    for cell_id, samples in times.items():
+        middle = statistics.median(finite(sample["ns_per_ray"]) or 0.0 for sample in samples)
+        relative += [(finite(s["order_index"]) or 0.0, (finite(s["ns_per_ray"]) or 0.0) / middle, label_of[cell_id]) for s in samples if len(samples) > 2]
+    if not relative:
+        return None
+    caption = (
+        "Every timed sample relative to the median of its cell, in the order of the run. A level band around 1 is what a quiet machine gives; "
+        "a slope is drift, a step or a cluster of high marks is another load on the machine. No sample is dropped."
+    )
+    return Draft("run_order", "Samples in the order of the run", caption, run_order_figure(relative, look_of))
+
+
+def readme_figure(cells: Sequence[Cell], kinds: int = 3) -> str | None:
+    """The figure of the README as SVG that reads on light and dark pages; None where nothing was timed."""
+    chosen = [cell for cell in at_setting(cells, main_setting(cells)) if cell.rays in rays_of(cells)[:kinds]]
+    with styled():
+        draft = scatter_draft(chosen, looks(cells), "")
+        return None if draft is None else neutral_svg(svg_of(draft.figure, "raymeter"))

@@ -1,0 +1,97 @@
+"""What each column means, and its symbol in the literature on ray shooting."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Term:
+    """A column of the CSV files; `verified` is False where the symbol's definition could not be checked against its source."""
+
+    name: str
+    unit: str
+    meaning: str
+    symbol: str = ""
+    verified: bool = True
+
+
+GLOSSARY: dict[str, list[Term]] = {
+    "Key columns": [
+        Term("cell_id", "", "Identifies one measured configuration within a run; the same in every file."),
+        Term("scene", "", "Generator with its size, or the scene's file."),
+        Term("num_prims", "primitives", "Number of primitives: spheres, triangles, polygons, cones."),
+        Term("needs", "", "What the scene asks of a technique: its primitive kinds and features."),
+        Term("rays", "", "Ray kind. Secondary rays start from the hits of the primary ones."),
+        Term("phase", "", "What is timed: closest hit, any hit, or a whole image."),
+        Term("structure", "", "Acceleration structure."),
+        Term("params", "", "Its parameters as they were used, defaults included."),
+        Term("first_hit", "", "How primary hits are found: cast (rays) or zbuffer."),
+        Term("occlusion", "", "none, or shadow_cache: the last blocker is tested first."),
+        Term("max_depth", "", "Depth at which the tree of reflected and refracted rays ends; eye rays have depth 1."),
+        Term("min_weight", "", "Rays that contribute less to the pixel are not traced (adaptive depth); 0 turns it off."),
+        Term("isa", "", "Instruction set of the kernels."),
+        Term("simd_width", "lanes", "Floats in one register of that instruction set."),
+        Term("packet", "rays", "Rays that are traced together. With 1, rays go one by one: the only setting to compare with scalar literature."),
+        Term("threads", "", "Threads that trace."),
+    ],
+    "summary.csv": [
+        Term("n", "samples", "Timed samples behind the median."),
+        Term("median_ns_per_ray", "ns", "Median time per ray.", "T_R divided by the rays"),
+        Term("ci_lo, ci_hi", "ns", "95 % confidence interval of that median; free of assumptions on the distribution; empty below 6 samples."),
+        Term("mad", "ns", "Median absolute deviation of the samples: their spread."),
+        Term("mrays_per_s", "million rays / s", "Speed, 1000 / median_ns_per_ray."),
+        Term("time_to_image_ms", "ms", "Build and one whole frame.", "T_B + T_R"),
+        Term("ratio_vs_ref", "×", "Time divided by the reference technique's in the same round of samples; above 1 is slower."),
+        Term("ratio_lo, ratio_hi", "×", "95 % confidence interval of that ratio."),
+        Term("hit_mismatch", "rays", "Rays whose hit differs from the oracle's or the reference technique's. Must be 0."),
+        Term("status", "", "ok; wrong (hits, therefore no timing); skipped (the machine lacks the ISA); timeout; failed; unfinished (interrupted)."),
+    ],
+    "counters.csv": [
+        Term("ray_count", "rays", "Rays over which was counted."),
+        Term("node_visits", "", "Interior nodes opened or cells stepped into; per ray: node_visits_per_ray.", "N_TS per ray"),
+        Term("leaf_visits", "", "Leaves or elementary cells entered.", "N_ETS per ray"),
+        Term("empty_leaf_visits", "", "Those of them that hold no primitive.", "N_EETS per ray"),
+        Term("volume_tests", "", "Tests of a ray against a bounding volume.", "N_BIT per ray"),
+        Term("prim_tests", "", "Tests of a ray against a primitive; per ray: prim_tests_per_ray.", "N_IT per ray"),
+        Term("prim_hits", "", "Tests that found a hit within the ray's interval."),
+        Term("cache_tests, cache_hits", "", "Tests of the cached blocker, and those that were blocked by it."),
+        Term("…_packets", "", "Times the code was reached, whatever the number of live lanes; the plain column sums over live lanes."),
+        Term("simd_utilization", "", "Live lanes divided by all lanes of the operations performed: 1 is full use."),
+        Term("r_ITM", "", "Ray-primitive tests divided by the least number needed (one for each ray that hits): prim_tests / rays that hit.", "r_ITM", False),
+    ],
+    "builds.csv": [
+        Term("build_ms", "ms", "Time to build the structure.", "T_B"),
+        Term("mprims_per_s", "million primitives / s", "Build speed."),
+        Term("nodes", "", "All nodes or cells."),
+        Term("interior_nodes", "", "Interior nodes.", "N_IN (N_G)"),
+        Term("leaves", "", "Leaves or elementary cells; those that hold primitives are leaves - empty_leaves.", "N_V + N_EV (N_E)"),
+        Term("empty_leaves", "", "Leaves without a primitive.", "N_EV (N_EE)"),
+        Term("references", "", "References to primitives over all leaves.", "N_OIV (N_ER)"),
+        Term("max_depth", "", "Depth of the tree, the root being 0."),
+        Term("sah_cost", "", "Expected cost of a random ray by the surface area heuristic."),
+        Term("epo", "", "End-point overlap: primitive area that lies inside foreign subtrees."),
+        Term("mem_bytes", "bytes", "Memory of the structure, without the scene."),
+        Term("bytes_per_prim", "bytes", "Memory of structure and scene together per primitive."),
+        Term("break_even_rays", "rays", "Rays after which building has paid off against the linear list."),
+    ],
+    "accuracy.csv": [
+        Term("rays_checked", "rays", "Rays held against the exact oracle: all, or a seeded sample."),
+        Term("false_miss", "rays", "The oracle hits, the technique misses."),
+        Term("false_hit", "rays", "The technique hits, the oracle misses."),
+        Term("wrong_prim", "rays", "Another primitive than the nearest one."),
+        Term("self_hits", "rays", "Secondary rays that hit the surface they start from."),
+        Term("t_ulp_p50, t_ulp_p99, t_ulp_max", "ulp", "Error of the distance t in units in the last place: median, 99th percentile, largest."),
+        Term("image_rmse, image_psnr, image_ssim", "", "Difference of the image from the reference technique's; equal images have PSNR ∞ dB."),
+    ],
+    "samples.csv": [
+        Term("sample", "", "Number of the sample within its cell."),
+        Term("order_index", "", "Place in the order in which the run took its samples."),
+        Term("trace_ms", "ms", "Time of the sample."),
+        Term("rays_traced", "rays", "Rays traced in the sample."),
+        Term("ns_per_ray", "ns", "trace_ms / rays_traced."),
+    ],
+}
+SYMBOL_NOTE = (
+    "Symbols N_… and T_… follow Havran's tables of the Standard Procedural Databases; those in parentheses and r_ITM belong to a later list "
+    "of minimum testing output whose definitions could not be checked against their source. Counts compare with that literature only at packet 1: "
+    "in a packet a ray also visits what its neighbours visit."
+)

@@ -1,0 +1,111 @@
+#!/usr/bin/python3
+"""Tests of what the report chooses and computes: labels, settings, sweeps, combined runs, rounding."""
+
+import math
+import sys
+import unittest
+import xml.etree.ElementTree
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import synthetic_run
+from raymeter_report import cells, figures, numbers, records, style, tables
+from report_support import TemporaryFolder, run_cli
+
+
+class SeveralRuns(TemporaryFolder):
+    """Combined reports."""
+
+    def test_shards_merge_and_repeats_are_told_apart(self) -> None:
+        first, second = self.folder / "one", self.folder / "two"
+        synthetic_run.write_run(first, scenes=["spd:tetra:6"])
+        synthetic_run.write_run(second, scenes=["spd:balls:4"])
+        merged = cells.load_cells([records.read_run(first), records.read_run(second)])
+        self.assertEqual(cells.techniques_of(merged), ["list", "bvh", "grid"])
+        self.assertEqual(cells.scenes_of(merged), ["spd:tetra:6", "spd:balls:4"])
+        repeated = cells.load_cells([records.read_run(first), records.read_run(first.rename(self.folder / "again"))])
+        self.assertEqual({cell.label for cell in repeated if cell.run == "again"}, {"list @again", "bvh @again", "grid @again"})
+
+    def test_combined_report_leaves_the_runs_alone(self) -> None:
+        first, second = self.folder / "one", self.folder / "two"
+        synthetic_run.write_run(first, scenes=["spd:tetra:6"])
+        synthetic_run.write_run(second, scenes=["spd:balls:4"])
+        self.assertEqual(run_cli(first, second)[0], 0)
+        self.assertTrue((first / "combined" / "report.html").is_file())
+        self.assertFalse((first / "report.html").exists())
+
+
+class Choices(TemporaryFolder):
+    """Labels, settings and sweeps of larger matrices."""
+
+    def matrix(self, **arguments: object) -> list[cells.Cell]:
+        synthetic_run.write_run(self.folder, **arguments)  # type: ignore[arg-type]
+        return cells.load_cells([records.read_run(self.folder)])
+
+    def test_labels_hold_what_varies(self) -> None:
+        variants = {"list": "volume=none", "grid": "density=2,max_resolution=256", "grid#8": "density=8,max_resolution=256"}
+        matrix = self.matrix(structures=variants, scenes=["spd:tetra:6"])
+        self.assertEqual(cells.techniques_of(matrix), ["list", "grid:density=2", "grid:density=8"])
+        looks = style.looks(matrix)
+        self.assertEqual(len({look.colour for look in looks.values()}), 3)
+
+    def test_main_setting_is_the_widest_isa_on_one_thread(self) -> None:
+        matrix = self.matrix(isas=["scalar", "avx2", "avx512"], packets=[1, 8], threads=[1, 2], scenes=["spd:tetra:6"])
+        self.assertEqual(cells.main_setting(matrix), {"isa": "avx2", "threads": 1.0, "max_depth": 5.0, "min_weight": 0.0, "packet": 8.0})
+
+    def test_sweep_is_relative_to_its_first_value(self) -> None:
+        matrix = self.matrix(isas=["scalar", "avx2"], packets=[8], threads=[1, 2], scenes=["spd:tetra:6", "spd:balls:4"])
+        sweep = figures.sweep(matrix, "threads")
+        assert sweep is not None
+        mean = sweep.mean("primary", "bvh")
+        self.assertEqual((list(mean), mean[1.0]), ([1.0, 2.0], 1.0))
+        chosen = [cell for cell in matrix if (cell.label, cell.rays, cell.summary["isa"]) == ("bvh", "primary", "avx2")]
+        speeds = {(cell.scene, cell.summary["threads"]): cell.number("mrays_per_s") or 0 for cell in chosen}
+        expected = math.sqrt(math.prod(speeds[scene, 2.0] / speeds[scene, 1.0] for scene in ("spd:tetra:6", "spd:balls:4")))
+        self.assertAlmostEqual(mean[2.0], expected, places=12)  # the same doubles in another order
+        self.assertIsNone(figures.sweep(matrix, "packet"))
+
+    def test_sweep_figures_follow_the_data(self) -> None:
+        matrix = self.matrix(isas=["scalar", "avx2"], packets=[1, 8], threads=[1, 2], scenes=["spd:tetra:6"])
+        with style.styled():
+            names = [draft.name for draft in figures.sweep_drafts(matrix, style.looks(matrix))]
+        self.assertEqual(names, ["isa_speedup", "packet_speedup", "thread_scaling"])
+        table = tables.simd_table(matrix)
+        assert table is not None
+        self.assertEqual([column.title for column in table.columns][3:], ["scalar", "avx2"])
+
+    def test_readme_figure(self) -> None:
+        self.matrix()
+        path = self.folder / "figure.svg"
+        code, printed, _ = run_cli("--readme-figure", path, self.folder)
+        self.assertEqual((code, printed), (0, f"{path}\n"))
+        text = path.read_text(encoding="utf-8")
+        xml.etree.ElementTree.fromstring(text)
+        self.assertNotIn(style.INK, text)
+        self.assertIn("time per ray [ns]", text)
+
+
+class Numbers(unittest.TestCase):
+    """Rounding."""
+
+    def test_significant_digits(self) -> None:
+        shown = {12345.678: f"12{numbers.THIN_SPACE}300", 1234.5: "1230", 9.996: "10.0", 0.012345: "0.0123", 1e-7: "1.00e-7", 0.0: "0"}
+        for value, text in {**shown, math.inf: "∞", math.nan: ""}.items():
+            self.assertEqual(numbers.significant(value), text)
+        self.assertEqual(numbers.significant(None), "")
+
+    def test_interval_sets_the_digits(self) -> None:
+        self.assertEqual(numbers.with_interval(105.2345, 104.6123, 106.1), ("105.2", "[104.6, 106.1]"))
+        self.assertEqual(numbers.with_interval(105.2345, None, None), ("105.2", ""))
+        self.assertEqual(numbers.with_interval(None, 1.0, 2.0), ("", ""))
+
+    def test_axis_ticks_are_few_and_inside(self) -> None:
+        for low, high in ((1e-4, 50.0), (3.0, 8.0), (1.0, 1e9), (0.9, 1.1e3)):
+            ticks = style.log_ticks(low, high, 5)
+            self.assertTrue(1 <= len(ticks) <= 5 and all(low <= tick <= high for tick in ticks), (low, high, ticks))
+
+
+if __name__ == "__main__":
+    unittest.main()
