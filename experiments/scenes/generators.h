@@ -11,10 +11,10 @@ namespace raymeter {
 struct SceneGenerator {
   std::string_view spec_prefix;  ///< what comes before the size: "spd:balls"
   std::string_view summary;      ///< what the scene is and what it stresses
-  std::string_view size_means;   ///< "recursion depth"
+  std::string_view size_means;   ///< after "the size is the": "recursion depth"
   int default_size;
   int min_size;
-  int max_size;             ///< the largest that has up to about 50 million primitives
+  int max_size;             ///< up to 50 million primitives
   Scene (*make)(int size);  ///< sets everything but Scene::name; the same bits for the same size
 };
 
