@@ -110,11 +110,12 @@ def draw_guides(axes: Axes) -> None:
     for cost in GUIDES_NS:
         axes.plot([x_low, x_high], [x_low * cost, x_high * cost], color=INK, alpha=0.35, linewidth=0.6, linestyle=(0, (1, 2)))
         end = min(x_high, y_high / cost)
-        if not (x_low < end and y_low < end * cost):
-            continue
+        long_enough = end > x_low * (x_high / x_low) ** 0.25 and end * cost > y_low * (y_high / y_low) ** 0.25
+        if not long_enough:
+            continue  # the name would not fit beside the line
         inside = (end / x_low) ** -0.04
         x, name = end * inside, f"{axis_number(cost)} ns/test"
-        axes.text(x, x * cost, name, rotation=angle, rotation_mode="anchor", ha="right", va="bottom", fontsize=5.8, alpha=0.7, clip_on=True)
+        axes.text(x, x * cost, name, rotation=angle, rotation_mode="anchor", ha="right", va="bottom", fontsize=5.8, alpha=0.8, clip_on=True)
     axes.set_xlim(x_low, x_high)
     axes.set_ylim(y_low, y_high)
 
@@ -138,7 +139,6 @@ def place_labels(axes: Axes, points: Sequence[Point]) -> None:
                 ha=horizontal,
                 va=vertical,
                 fontsize=6,
-                alpha=0.85,
             )
             box = text.get_window_extent(renderer).extents
             inside = box[0] >= frame.x0 and box[2] <= frame.x1 and box[1] >= frame.y0 and box[3] <= frame.y1

@@ -43,7 +43,7 @@ def write_plots(runs: Sequence[Run], cells: Sequence[Cell], folder: Path) -> lis
     folder.mkdir(parents=True, exist_ok=True)
     with styled():
         for draft in drafts(runs, cells):
-            files = save_figure(draft.figure, folder, draft.name)
+            files = save_figure(draft.figure, folder, draft.name, draft.caption)
             plots.append(Plot(draft.name, draft.title, draft.caption, inline_svg(files[0].read_text(encoding="utf-8")), files))
     return plots
 
@@ -210,7 +210,8 @@ def run_order_draft(runs: Sequence[Run], cells: Sequence[Cell], look_of: dict[st
 
 def readme_figure(cells: Sequence[Cell], kinds: int = 3) -> str | None:
     """The figure of the README as SVG that reads on light and dark pages; None where nothing was timed."""
-    chosen = [cell for cell in at_setting(cells, main_setting(cells)) if cell.rays in rays_of(cells)[:kinds]]
+    setting = main_setting(cells)
+    chosen = [cell for cell in at_setting(cells, setting) if cell.rays in rays_of(cells)[:kinds]]
     with styled():
-        draft = scatter_draft(chosen, looks(cells), "")
-        return None if draft is None else neutral_svg(svg_of(draft.figure, "raymeter"))
+        draft = scatter_draft(chosen, looks(cells), describe_setting(setting))
+        return None if draft is None else neutral_svg(svg_of(draft.figure, "raymeter", draft.caption))

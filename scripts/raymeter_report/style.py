@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from xml.sax.saxutils import escape
 
 import matplotlib
 from matplotlib.axes import Axes
@@ -155,12 +156,12 @@ def log_ticks(low: float, high: float, max_ticks: int) -> list[float]:
     return []
 
 
-def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
-    """Writes name.svg, name.png and name.pdf; PNG and PDF on white, as papers want them."""
+def save_figure(figure: Figure, folder: Path, name: str, caption: str) -> list[Path]:
+    """Writes name.svg (with its caption inside), name.png and name.pdf; PNG and PDF on white, as papers want them."""
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # the layout stands: all three formats show it, and it is computed once
     svg = folder / f"{name}.svg"
-    svg.write_text(svg_of(figure, name), encoding="utf-8")
+    svg.write_text(svg_of(figure, name, caption), encoding="utf-8")
     paths = [svg]
     for suffix, metadata in (("png", {"Software": None}), ("pdf", {"CreationDate": None})):
         path = folder / f"{name}.{suffix}"
@@ -169,13 +170,13 @@ def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
     return paths
 
 
-def svg_of(figure: Figure, name: str) -> str:
-    """The figure as SVG: no DOCTYPE, no metadata, and ids that are unique when several figures stand in one page."""
+def svg_of(figure: Figure, name: str, caption: str) -> str:
+    """The figure as SVG: no DOCTYPE, the caption as its description, and ids that are unique when several figures stand in one page."""
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None})
     text = buffer.getvalue()
     text = re.sub(r"<!DOCTYPE[^>]*>\s*", "", text)
-    text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)
+    text = re.sub(r"<metadata>.*?</metadata>", lambda _: f"<desc>{escape(caption)}</desc>", text, flags=re.DOTALL)
     text = text.replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
     text = re.sub(r'\bid="', f'id="{name}-', text)
     text = re.sub(r'href="#', f'href="#{name}-', text)
