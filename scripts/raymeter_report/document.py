@@ -33,6 +33,7 @@ class Report:
 
     title: str
     runs: list[Run]
+    facts: list[str]
     verdict: list[Finding]
     best: Table
     problems: Table
@@ -65,6 +66,7 @@ def make_report(runs: Sequence[Run], out: Path) -> Report:
     return Report(
         title=", ".join(names),
         runs=list(runs),
+        facts=[run_facts(run) for run in runs],
         verdict=verdict(runs, cells),
         best=best_table(cells),
         problems=problem_table(cells, reasons),
@@ -102,6 +104,16 @@ def verdict(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Finding]:
     elif cells:
         findings.append(Finding("aside", "No rays were held against the oracle."))
     findings += fastest(cells)
+    findings += steadiness(runs, cells)
+    machines = {str(run.manifest.get("cpu")) + str(run.manifest.get("host")) for run in runs}
+    if len(machines) > 1:
+        findings.append(Finding("bad", "The runs come from different machines: compare their counters, not their times."))
+    return findings
+
+
+def steadiness(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Finding]:
+    """What limits the trust in the times: wide intervals, few samples, and a machine or build that is known to be unsteady."""
+    findings = []
     timed = [cell for cell in cells if cell.number("median_ns_per_ray") is not None]
     noisy = [cell for cell in timed if (interval_half_width(cell) or 0) > WIDE_INTERVAL]
     without = [cell for cell in timed if interval_half_width(cell) is None]
@@ -110,15 +122,45 @@ def verdict(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Finding]:
         findings.append(Finding("aside", f"{wide}: the machine was not quiet."))
     if without:
         findings.append(Finding("aside", f"{plural(len(without), 'cell')} of {len(timed)} without a confidence interval: too few samples."))
-    hosts = {json.dumps(run.environment.get("cpu", run.environment.get("host")), sort_keys=True) for run in runs}
-    if len(hosts) > 1:
-        findings.append(Finding("bad", "The runs come from different machines: compare their counters, not their times."))
+    doubts = list(dict.fromkeys(doubt for run in runs for doubt in doubts_of(run.environment)))
+    if timed and doubts:
+        findings.append(Finding("aside", f"Mind when comparing times: {', '.join(doubts)}."))
     return findings
+
+
+def doubts_of(environment: dict[str, Any]) -> list[str]:
+    """Properties of machine and build that make times unsteady or not comparable. What the environment does not tell is not assumed."""
+    build, cpu, frequency = (environment.get(name) or {} for name in ("build", "cpu", "frequency"))
+    doubts = []
+    if build.get("build_type", "Release") != "Release":
+        doubts.append(f"the build was {build['build_type']}, not Release")
+    if build.get("git_dirty"):
+        doubts.append("the build had uncommitted changes")
+    if cpu.get("virtual_machine"):
+        doubts.append("the machine is virtual")
+    if frequency.get("governor") not in (None, "performance"):
+        doubts.append(f"the frequency governor was {frequency['governor']}")
+    if frequency.get("turbo"):
+        doubts.append("turbo was on")
+    if frequency.get("smt"):
+        doubts.append("hardware threads share cores")
+    return doubts
+
+
+def run_facts(run: Run) -> str:
+    """One line on a run: machine, commit, time."""
+    manifest = run.manifest
+    dirty = " with uncommitted changes" if manifest.get("git_dirty") else ""
+    parts = [
+        str(manifest.get("cpu") or ""), f"host {manifest['host']}" if manifest.get("host") else "",
+        f"commit {manifest['git_sha']}{dirty}" if manifest.get("git_sha") else "", f"begun {manifest['begun_utc']}" if manifest.get("begun_utc") else "",
+    ]
+    return " · ".join(part for part in parts if part) or run.name
 
 
 def completeness(runs: Sequence[Run], cells: Sequence[Cell], states: Counter) -> Finding:
     """Whether every planned cell was dealt with."""
-    planned = max(len(cells), sum(len(run.plan) for run in runs))
+    planned = max(len(cells), sum(run.planned for run in runs))
     missing = planned - len(cells) + states["unfinished"]
     lacking = sorted({name for run in runs for name in run.missing_files})
     if not cells:
@@ -167,14 +209,14 @@ def flatten(value: Any, prefix: str = "") -> list[tuple[str, str]]:
 
 def environment_rows(runs: Sequence[Run]) -> list[tuple[str, list[str]]]:
     """One row per property of the environment and the manifest, one column per run."""
-    columns = [dict(flatten({key: one for key, one in run.manifest.items() if key != "config"}) + flatten(run.environment)) for run in runs]
+    columns = [dict(flatten({key: one for key, one in run.manifest.items() if key != "config_text"}) + flatten(run.environment)) for run in runs]
     names = list(dict.fromkeys(name for column in columns for name in column))
     return [(name, [column.get(name, "") for column in columns]) for name in names]
 
 
 def configuration_text(runs: Sequence[Run]) -> str:
     """The configuration that the runs share, or each run's after its name."""
-    texts = {run.name: json.dumps(run.manifest["config"], indent=2, ensure_ascii=False) for run in runs if run.manifest.get("config")}
+    texts = {run.name: json.dumps(run.manifest["config_text"], indent=2, ensure_ascii=False) for run in runs if run.manifest.get("config_text")}
     if len(set(texts.values())) <= 1:
         return next(iter(texts.values()), "")
     return "\n\n".join(f"// {name}\n{text}" for name, text in texts.items())
@@ -184,7 +226,8 @@ def commands(runs: Sequence[Run]) -> list[str]:
     """The commands that give this report again."""
     lines = []
     for run in runs:
-        command = run.manifest.get("command") or run.manifest.get("argv")
-        lines.append(" ".join(command) if isinstance(command, list) else str(command or "scripts/run config.json"))
+        if run.manifest.get("git_sha"):
+            lines.append(f"git checkout {run.manifest['git_sha']}")
+        lines.append(str(run.manifest.get("command") or "scripts/run config.json"))
     lines.append("scripts/report.py " + " ".join(str(run.folder) for run in runs))
     return list(dict.fromkeys(lines))

@@ -12,7 +12,8 @@ MARKS = {"good": "✔", "aside": "–", "bad": "✘"}
 def markdown(report: Report, out: Path) -> str:
     """The whole file; links are relative to `out`."""
     verdict = "\n".join(f"{MARKS[one.level]} {escape(one.text)}  " for one in report.verdict)
-    parts = [f"# raymeter: {escape(report.title)}", "## Overview", verdict]
+    facts = [f"{escape(fact)} (`{run.name}`)" for fact, run in zip(report.facts, report.runs)]
+    parts = [f"# raymeter: {escape(report.title)}", *facts, "## Overview", verdict]
     parts += block(report.best, "### Fastest technique") + block(report.problems, "### Cells without a timing")
     parts += block(report.skipped, "### Skipped cells") + block(report.techniques, "### Techniques")
     parts += block(report.results, "## Results")

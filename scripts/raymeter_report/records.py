@@ -59,6 +59,12 @@ class Run:
         return {str(record["cell_id"]): str(record["reason"]) for record in self.plan if record.get("reason")}
 
     @property
+    def planned(self) -> int:
+        """Cells that the run set out to measure; 0 where it does not say."""
+        cells = self.manifest.get("cells")
+        return cells if isinstance(cells, int) else len(self.plan)
+
+    @property
     def name(self) -> str:
         """The folder's name, which holds the time, the commit and the host."""
         return self.folder.resolve().name

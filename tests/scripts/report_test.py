@@ -78,6 +78,12 @@ class FullReport(unittest.TestCase):
         self.assertIn("data:image/png;base64,iVBORw0KGgo", self.html)
         self.assertIn("balls &lt;nodes&gt;", self.html)
 
+    def test_overview_names_machine_and_doubts(self) -> None:
+        self.assertIn("Example CPU · host testbench · commit 1a2b3c4 · begun 20261122T170000Z", self.html)
+        self.assertIn("Mind when comparing times: the machine is virtual.", self.html)
+        for text in (self.html, self.markdown):
+            self.assertIn("git checkout 1a2b3c4\nraymeter run configs/synthetic.json\n", text)
+
     def test_results_hold_the_medians(self) -> None:
         columns = self.page.titles["table-results"]
         self.assertEqual([title for title in columns if title in ("ISA", "packet", "threads")], [])  # only one of each was timed
@@ -186,7 +192,7 @@ class PartialRuns(TemporaryFolder):
         lines = path.read_text(encoding="utf-8").splitlines()
         cut = lines[:4] + [lines[4][:40]]  # the last line was being written
         path.write_text("\n".join(cut), encoding="utf-8")
-        (self.folder / "plan.jsonl").write_text('{"cell_id": "c"}\n' * 18, encoding="utf-8")
+        (self.folder / "manifest.json").write_text('{"name": "cut", "state": "interrupted", "cells": 18}', encoding="utf-8")
         self.assertEqual(run_cli(self.folder)[0], 0)
         self.assertIn("Incomplete: 15 of 18 planned cells", (self.folder / "report.html").read_text(encoding="utf-8"))
 

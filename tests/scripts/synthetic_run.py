@@ -91,6 +91,10 @@ def write_run(
                 writer.writerow([row.get(column, "") for column in KEY_COLUMNS + extra])
     plan = [{"cell_id": row["cell_id"]} | ({"reason": "the CPU lacks avx512"} if row["status"] == "skipped" else {}) for row in tables["summary"]]
     (folder / "plan.jsonl").write_text("".join(json.dumps(one) + "\n" for one in plan), encoding="utf-8")
-    (folder / "manifest.json").write_text(json.dumps({"name": "synthetic", "config": {"name": "synthetic", "seed": 42}}), encoding="utf-8")
-    (folder / "environment.json").write_text(json.dumps({"host": "testbench", "cpu": {"model": "Example CPU", "cores": 2}}), encoding="utf-8")
+    manifest = {"name": "synthetic", "state": "complete", "config": "configs/synthetic.json", "config_text": {"name": "synthetic", "seed": 42}}
+    manifest |= {"command": "raymeter run configs/synthetic.json", "begun_utc": "20261122T170000Z", "host": "testbench", "cpu": "Example CPU"}
+    manifest |= {"git_sha": "1a2b3c4", "git_dirty": False, "cells": len(tables["summary"])}
+    (folder / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    environment = {"host": "testbench", "cpu": {"model": "Example CPU", "cores": 2, "virtual_machine": True}, "frequency": {"governor": None, "turbo": None}}
+    (folder / "environment.json").write_text(json.dumps(environment), encoding="utf-8")
     return tables
