@@ -113,7 +113,9 @@ def techniques_of(cells: Iterable[Cell]) -> list[str]:
 
 def scenes_of(cells: Iterable[Cell]) -> list[str]:
     """Scenes from the smallest to the largest."""
-    sizes = {cell.scene: cell.number("num_prims") or 0 for cell in cells}
+    sizes: dict[str, float] = {}
+    for cell in cells:
+        sizes[cell.scene] = max(sizes.get(cell.scene, 0.0), cell.number("num_prims") or 0.0)
     return sorted(sizes, key=lambda scene: (sizes[scene], scene))
 
 
@@ -127,10 +129,10 @@ def isa_rank(isa: Value) -> tuple[int, str]:
 
 
 def setting_key(column: str) -> Callable[[Value], tuple]:
-    """Sort key for the values of a setting column: ISAs by width, numbers by size, missing first."""
+    """Sort key for the values of a setting column: ISAs by width, numbers by size, missing first, words last."""
     if column == "isa":
         return isa_rank
-    return lambda value: (value is not None, value if isinstance(value, float) else 0.0)
+    return lambda value: (value is not None, isinstance(value, str), value if isinstance(value, float) else 0.0)
 
 
 def main_setting(cells: Sequence[Cell]) -> dict[str, Value]:

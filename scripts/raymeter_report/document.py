@@ -61,7 +61,7 @@ def make_report(runs: Sequence[Run], out: Path) -> Report:
         for name, keys in (("scene", scenes_of(cells)), ("rays", rays_of(cells)), ("technique", techniques_of(cells)))
     }
     cells = in_order(cells, order)
-    reasons = {key: reason for run in runs for key, reason in run.reasons.items()}
+    reasons = {cell_id: run.reason(cell_id) for run in runs for cell_id in (str(record["cell_id"]) for record in run.tables["summary"])}
     names = list(dict.fromkeys(str(run.manifest.get("name") or run.name) for run in runs))
     return Report(
         title=", ".join(names),

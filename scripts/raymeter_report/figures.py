@@ -75,8 +75,8 @@ def drafts(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Draft]:
 
 
 def scene_sizes(cells: Sequence[Cell]) -> dict[str, float | None]:
-    sizes = {cell.scene: cell.number("num_prims") for cell in cells}
-    return {scene: sizes[scene] for scene in scenes_of(cells)}
+    sizes = {cell.scene: cell.number("num_prims") for cell in cells if cell.number("num_prims") is not None}
+    return {scene: sizes.get(scene) for scene in scenes_of(cells)}
 
 
 def counter_draft(name: str, title: str, column: str, cells: Sequence[Cell], look_of: dict[str, Look], caption: str) -> Draft | None:

@@ -1,4 +1,4 @@
-"""Reads a results folder: CSV tables, manifest, environment, plan and images, checked against the columns of the contract."""
+"""Reads a results folder: CSV tables, manifest, environment, reasons and images, checked against the columns of the contract."""
 
 import csv
 import json
@@ -48,21 +48,20 @@ class Run:
     folder: Path
     manifest: dict[str, Any] = field(default_factory=dict)
     environment: dict[str, Any] = field(default_factory=dict)
-    plan: list[dict[str, Any]] = field(default_factory=list)
+    reasons: dict[str, str] = field(default_factory=dict)
     tables: dict[str, list[Record]] = field(default_factory=dict)
     missing_files: list[str] = field(default_factory=list)
     images: list[Path] = field(default_factory=list)
 
     @property
-    def reasons(self) -> dict[str, str]:
-        """Why cells were skipped or failed, by cell_id, where the plan or the records say so."""
-        return {str(record["cell_id"]): str(record["reason"]) for record in self.plan if record.get("reason")}
-
-    @property
     def planned(self) -> int:
         """Cells that the run set out to measure; 0 where it does not say."""
         cells = self.manifest.get("cells")
-        return cells if isinstance(cells, int) else len(self.plan)
+        return cells if isinstance(cells, int) else 0
+
+    def reason(self, cell_id: Value) -> str:
+        """Why a cell was skipped or failed. The log knows cells by the part of their id before the scene's hash."""
+        return self.reasons.get(str(cell_id).split("-", 1)[0], "")
 
     @property
     def name(self) -> str:
@@ -76,6 +75,8 @@ def parse_value(text: str, column: str) -> Value:
         return text
     if text.strip() == "":
         return None
+    if column == "threads" and text == "all":
+        return text  # a cell that did not come so far as to know the machine's number
     number = float(text)
     return None if math.isnan(number) else number
 
@@ -126,18 +127,18 @@ def _read_json(path: Path) -> dict[str, Any]:
     return content
 
 
-def _read_json_lines(path: Path) -> list[dict[str, Any]]:
-    """Objects of a JSON Lines file up to the first broken line (an interrupted run may leave one at the end)."""
-    records: list[dict[str, Any]] = []
+def _read_reasons(path: Path) -> dict[str, str]:
+    """Reasons for skipped and failed cells from the run's log, up to its first broken line (an interrupted run may leave one at the end)."""
+    reasons: dict[str, str] = {}
     if path.is_file():
         for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
             try:
                 record = json.loads(line)
             except json.JSONDecodeError:
                 break
-            if isinstance(record, dict):
-                records.append(record)
-    return records
+            if isinstance(record, dict) and record.get("cell") and record.get("reason"):
+                reasons[str(record["cell"])] = str(record["reason"])
+    return reasons
 
 
 def read_run(folder: Path) -> Run:
@@ -160,7 +161,7 @@ def read_run(folder: Path) -> Run:
         folder=folder,
         manifest=_read_json(folder / "manifest.json"),
         environment=_read_json(folder / "environment.json"),
-        plan=_read_json_lines(folder / "plan.jsonl"),
+        reasons=_read_reasons(folder / "samples.jsonl"),
         tables=tables,
         missing_files=missing_files,
         images=sorted((folder / "images").glob("*.png")),

@@ -36,7 +36,7 @@ def rows(isas: list[str], packets: list[int], threads: list[int], structures: di
     order = 0
     product = [(s, t, p, i, k, r) for s in scenes for t in structures for r in RAYS for i in isas for k in packets for p in threads]
     for number, (scene, structure, thread, isa, packet, ray) in enumerate(product):
-        key = dict(cell_id=f"c{number:04d}", scene=scene, num_prims=SCENES[scene], needs="sphere;polygon", rays=ray)
+        key = dict(cell_id=f"c{number:04d}-5ce9e", scene=scene, num_prims=SCENES[scene], needs="sphere;polygon", rays=ray)
         key |= dict(phase="any" if ray == "shadow" else "closest", structure=structure.split("#")[0], params=structures[structure], first_hit="cast")
         key |= dict(occlusion="none", max_depth=5, min_weight=0, isa=isa, simd_width=WIDTH[isa], packet=packet, threads=thread)
         if isa == "avx512":
@@ -89,8 +89,9 @@ def write_run(
             writer.writerow(KEY_COLUMNS + FILE_COLUMNS[kind])
             for row in tables[kind]:
                 writer.writerow([row.get(column, "") for column in KEY_COLUMNS + extra])
-    plan = [{"cell_id": row["cell_id"]} | ({"reason": "the CPU lacks avx512"} if row["status"] == "skipped" else {}) for row in tables["summary"]]
-    (folder / "plan.jsonl").write_text("".join(json.dumps(one) + "\n" for one in plan), encoding="utf-8")
+    skipped = [row["cell_id"] for row in tables["summary"] if row["status"] == "skipped"]
+    log = [{"type": "check", "cell": cell_id.split("-")[0], "status": "skipped", "reason": "the CPU lacks avx512"} for cell_id in skipped]
+    (folder / "samples.jsonl").write_text("".join(json.dumps(one) + "\n" for one in log), encoding="utf-8")
     manifest = {"name": "synthetic", "state": "complete", "config": "configs/synthetic.json", "config_text": {"name": "synthetic", "seed": 42}}
     manifest |= {"command": "raymeter run configs/synthetic.json", "begun_utc": "20261122T170000Z", "host": "testbench", "cpu": "Example CPU"}
     manifest |= {"git_sha": "1a2b3c4", "git_dirty": False, "cells": len(tables["summary"])}
