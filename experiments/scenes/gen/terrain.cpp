@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "core/base/random.h"
@@ -9,52 +10,72 @@ namespace raymeter {
 
 namespace {
 
-double lattice_value(int octave, std::int64_t x, std::int64_t y) noexcept {
+constexpr int kCoarsest = 3;                  // lattice cells a side in octave 0
+constexpr double kRelief = 0.25;              // amplitude of octave 0
+constexpr double kGain = 0.5743491774985175;  // 2^-0.8: a surface of dimension 2.2, that of SPD's mountain
+
+double lattice_value(int octave, int x, int y) noexcept {
   constexpr std::uint64_t kSeed = 20;
   const auto key = static_cast<std::uint64_t>(octave) << 56 | static_cast<std::uint64_t>(x) << 28 | static_cast<std::uint64_t>(y);
   return 2 * RandomStream(kSeed, key).uniform() - 1;
 }
 
-/// Random values at the integers, joined smoothly.
-double noise(int octave, double x, double y) noexcept {
-  const double cell_x = std::floor(x), cell_y = std::floor(y);
-  const auto i = static_cast<std::int64_t>(cell_x), j = static_cast<std::int64_t>(cell_y);
-  const auto ease = [](double t) { return t * t * (3 - 2 * t); };
-  const double u = ease(x - cell_x), v = ease(y - cell_y);
-  const double lower = std::lerp(lattice_value(octave, i, j), lattice_value(octave, i + 1, j), u);
-  const double upper = std::lerp(lattice_value(octave, i, j + 1), lattice_value(octave, i + 1, j + 1), u);
-  return std::lerp(lower, upper, v);
-}
+/// A position among lattice points: the one before it, and how far it is on to the next, eased so that slopes meet.
+struct LatticePosition {
+  explicit LatticePosition(double x) noexcept : before(static_cast<int>(x)), on(x - before) { on = on * on * (3 - 2 * on); }
+  int before;
+  double on;
+};
 
-/// Fractal noise of dimension 2.2, that of SPD's mountain: each octave is twice as fine and 2^-0.8 as high. `x` and `y` are in [0, 1].
-double height(double x, double y, int octaves) noexcept {
-  double sum = 0, amplitude = 0.25, frequency = 3;
-  for (int octave = 0; octave < octaves; ++octave) {
-    sum += amplitude * noise(octave, frequency * x, frequency * y);
-    amplitude *= 0.5743491774985175;
-    frequency *= 2;
+/// Fractal value noise on rows of a grid over the unit square: octave k joins random values at 3 2^k points a side, 2^(-0.8 k) as high as octave 0.
+class FractalNoise {
+public:
+  /// As many octaves as have two grid cells or more to a lattice cell, and at least one.
+  explicit FractalNoise(int grid_cells) : grid_cells_(grid_cells) {
+    while (kCoarsest << octaves_ <= grid_cells / 2) ++octaves_;
   }
-  return sum;
-}
+
+  /// The heights along the row at `y`, from x = 0 to 1.
+  [[nodiscard]] std::vector<double> row(double y) const {
+    std::vector<double> heights(static_cast<std::size_t>(grid_cells_) + 1, 0.0);
+    double amplitude = kRelief;
+    for (int octave = 0; octave < octaves_; ++octave, amplitude *= kGain) add_octave(heights, octave, amplitude, y);
+    return heights;
+  }
+
+private:
+  void add_octave(std::vector<double>& heights, int octave, double amplitude, double y) const {
+    const int cells = kCoarsest << octave;
+    const LatticePosition across(cells * y);
+    std::vector<double> lattice;  // interpolated across, so that only the way along the row is left
+    for (int x = 0; x <= cells + 1; ++x)
+      lattice.push_back(std::lerp(lattice_value(octave, x, across.before), lattice_value(octave, x, across.before + 1), across.on));
+    for (std::size_t i = 0; i < heights.size(); ++i) {
+      const LatticePosition along(cells * (static_cast<double>(i) / grid_cells_));
+      const auto before = static_cast<std::size_t>(along.before);
+      heights[i] += amplitude * std::lerp(lattice[before], lattice[before + 1], along.on);
+    }
+  }
+
+  int grid_cells_;
+  int octaves_ = 1;
+};
 
 }  // namespace
 
-// A height field over [-1, 1]^2. It is a function of the place, not of the size: a larger size shows the same mountains in more detail.
+// A height field over [-1, 1]^2. The mountains are a function of the place, not of the size: a larger size shows the same ones in more detail.
 Scene make_terrain(int triangles) {
   Scene scene = gen_scene({-0.9, -1.7, 0.9}, {0.05, 0, -0.15}, {0, 0, 1}, 45, {-6, -3, 5});
   const int cells = std::max(1, static_cast<int>(std::lround(std::sqrt(triangles / 2.0))));  // on a side
   const auto n = static_cast<std::size_t>(cells);
-  int octaves = 1;  // the finest has two cells to its lattice distance, but for the coarsest grids
-  while (3 << octaves <= cells / 2) ++octaves;
+  const FractalNoise noise(cells);
   scene.reserve(PrimKind::triangle, 2 * n * n);
   scene.set_material({.color = {0.5, 0.45, 0.35}, .diffuse = 1});
   std::vector<glm::dvec3> row(n + 1), next(n + 1);
   const auto fill = [&](std::vector<glm::dvec3>& points, std::size_t j) {
     const double y = static_cast<double>(j) / cells;
-    for (std::size_t i = 0; i <= n; ++i) {
-      const double x = static_cast<double>(i) / cells;
-      points[i] = {2 * x - 1, 2 * y - 1, height(x, y, octaves)};
-    }
+    const std::vector<double> heights = noise.row(y);
+    for (std::size_t i = 0; i <= n; ++i) points[i] = {2 * (static_cast<double>(i) / cells) - 1, 2 * y - 1, heights[i]};
   };
   scene.begin_object("terrain");
   fill(row, 0);
