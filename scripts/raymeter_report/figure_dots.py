@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from .numbers import axis_number
+from .numbers import axis_number, shortened
 from .style import INK, PAGE_WIDTH, PAPER, Look, new_figure, scale_axis
 
 COLUMNS = 3
@@ -59,14 +59,15 @@ def dot_figure(panels: Sequence[Panel], scenes: dict[str, float | None], looks: 
 
 def scene_label(scene: str, size: float | None) -> str:
     """The scene and its size on a second line."""
-    return scene if size is None else f"{scene}\n{axis_number(float(f'{size:.3g}'))} primitives"
+    name = shortened(scene)
+    return name if size is None else f"{name}\n{axis_number(float(f'{size:.3g}'))} primitives"
 
 
 def draw_panel(axes: Axes, panel: Panel, scenes: list[str], techniques: list[str], looks: dict[str, Look]) -> None:
     """Marks with error bars, techniques of one scene one below the other."""
     step = 0.74 / max(1, len(techniques))
     size = 5.0 if len(techniques) <= 5 else 4.0
-    axes.set_title(panel.title, loc="left")
+    axes.set_title(shortened(panel.title), loc="left")
     axes.set_xlabel(panel.axis)
     axes.set_ylim(len(scenes) - 0.5, -0.5)
     axes.tick_params(axis="y", length=0)

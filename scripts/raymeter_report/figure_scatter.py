@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from .figure_dots import COLUMNS, add_legend
-from .numbers import axis_number
+from .numbers import axis_number, shortened
 from .style import INK, PAGE_WIDTH, PAPER, Look, new_figure, scale_axis
 
 CROWDED = 30  # points in a panel from which on single scenes are no longer named
@@ -63,7 +63,7 @@ def scatter_figure(points: Sequence[Point], kinds: Sequence[str], looks: dict[st
     add_legend(figure, [label for label in techniques if label not in far] + list(far), looks, notes=notes)
     points = [point for point in points if point.technique not in far]
     for axes, rays in zip(grid.flat, kinds):
-        axes.set_title(rays, loc="left")
+        axes.set_title(shortened(rays), loc="left")
         axes.grid(True)
         axes.set_axisbelow(True)
         for point in (point for point in points if point.rays == rays):
@@ -132,7 +132,7 @@ def place_labels(axes: Axes, points: Sequence[Point]) -> None:
     for point in sorted(points, key=lambda point: point.tests, reverse=True):
         for dx, dy, horizontal, vertical in LABEL_PLACES:
             text: Text = axes.annotate(
-                point.scene.removeprefix("spd:").removeprefix("gen:"),
+                shortened(point.scene.removeprefix("spd:").removeprefix("gen:"), 16),
                 (point.tests, point.nanoseconds),
                 (dx, dy),
                 textcoords="offset points",

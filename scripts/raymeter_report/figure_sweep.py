@@ -10,7 +10,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from .cells import SETTING, Cell, at_setting, main_setting, rays_of, setting_key, techniques_of
 from .figure_dots import COLUMNS, add_legend
-from .numbers import axis_number
+from .numbers import axis_number, shortened
 from .records import Value
 from .style import INK, PAGE_WIDTH, Look, new_figure, scale_axis
 
@@ -76,7 +76,7 @@ def sweep_figure(data: Sweep, cells: Sequence[Cell], looks: dict[str, Look], axi
     first = data.values[0] if isinstance(data.values[0], float) else 1.0
     perfect = [value / first if isinstance(value, float) else 1.0 for value in data.values]
     for axes, rays in zip(grid.flat, kinds):
-        axes.set_title(rays, loc="left")
+        axes.set_title(shortened(rays), loc="left")
         axes.set_xlabel(axis)
         axes.grid(axis="y")
         axes.set_axisbelow(True)

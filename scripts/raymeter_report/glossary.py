@@ -47,7 +47,8 @@ GLOSSARY: dict[str, list[Term]] = {
     ],
     "counters.csv": [
         Term("ray_count", "rays", "Rays over which was counted."),
-        Term("node_visits", "", "Interior nodes opened or cells stepped into; per ray: node_visits_per_ray.", "N_TS per ray"),
+        Term("node_visits", "", "Interior nodes opened or cells stepped into; per ray: node_visits_per_ray. The literature's traversal steps of a tree "
+             "include the leaves: node_visits + leaf_visits.", "N_TS per ray of a grid"),
         Term("leaf_visits", "", "Leaves or elementary cells entered.", "N_ETS per ray"),
         Term("empty_leaf_visits", "", "Those of them that hold no primitive.", "N_EETS per ray"),
         Term("volume_tests", "", "Tests of a ray against a bounding volume.", "N_BIT per ray"),

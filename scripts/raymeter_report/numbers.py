@@ -62,6 +62,11 @@ def with_interval(median: float | None, low: float | None, high: float | None) -
     return grouped(median, decimals), f"[{grouped(low, decimals)}, {grouped(high, decimals)}]"
 
 
+def shortened(text: str, limit: int = 24) -> str:
+    """A name for a figure: of a long path only the end."""
+    return text if len(text) <= limit else "…" + text[1 - limit :]
+
+
 def axis_number(value: float) -> str:
     """A tick label: 0.1, 10, 2k, 5M."""
     if value == 0:

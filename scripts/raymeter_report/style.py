@@ -53,6 +53,7 @@ RC = {
     "ytick.minor.width": 0.4,
     "axes.spines.top": False,
     "axes.spines.right": False,
+    "text.parse_math": False,  # a $ in a scene's path is a $
     "text.color": INK,
     "axes.labelcolor": INK,
     "axes.edgecolor": INK,

@@ -92,7 +92,8 @@ def problem_table(cells: Sequence[Cell], reasons: dict[str, str]) -> Table:
         *key_columns(SETTING[:3]), Column("status", number=False), Column("reason", number=False), Column("mismatches", "rays"), Column("false misses", "rays"),
         Column("false hits", "rays"), Column("wrong primitive", "rays"),
     ]
-    return Table("problems", "These cells have no complete timing: a technique with wrong answers has no speed, and an interrupted run leaves cells unfinished.", columns, rows).without_empty()
+    caption = "These cells have no complete timing: a technique with wrong answers has no speed, and an interrupted run leaves cells unfinished."
+    return Table("problems", caption, columns, rows).without_empty()
 
 
 def skipped_table(cells: Sequence[Cell], reasons: dict[str, str]) -> Table:

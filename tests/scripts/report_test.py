@@ -210,6 +210,17 @@ class PartialRuns(TemporaryFolder):
         self.assertEqual(run_cli(self.folder)[0], 0)
         self.assertNotRegex((self.folder / "report.html").read_text(encoding="utf-8"), r"(?i)>(nan|inf)<")
 
+    def test_hostile_names_are_text(self) -> None:
+        name = "${HOME}/a $cene/<b>&|_*/with a path far too long for a figure.obj"
+        synthetic_run.SCENES[name] = 1000
+        self.addCleanup(synthetic_run.SCENES.pop, name)
+        synthetic_run.write_run(self.folder, scenes=[name])
+        self.assertEqual(run_cli(self.folder)[0], 0)
+        page = Page((self.folder / "report.html").read_text(encoding="utf-8"))
+        self.assertEqual((page.errors, page.open), ([], []))
+        self.assertEqual({row[0] for row in page.tables["table-results"] if row}, {name})
+        self.assertIn(r"<b>&\|\_\*/".replace("<", r"\<"), (self.folder / "report.md").read_text(encoding="utf-8"))
+
     def test_unwritable_output(self) -> None:
         synthetic_run.write_run(self.folder, scenes=["spd:tetra:6"])
         (self.folder / "report").write_text("a file", encoding="utf-8")
