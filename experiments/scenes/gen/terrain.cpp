@@ -65,7 +65,7 @@ private:
 
 // A height field over [-1, 1]^2. The mountains are a function of the place, not of the size: a larger size shows the same ones in more detail.
 Scene make_terrain(int triangles) {
-  Scene scene = gen_scene({-0.9, -1.7, 0.9}, {0.05, 0, -0.15}, {0, 0, 1}, 45, {-6, -3, 5});
+  Scene scene = gen_scene({-0.8, -0.95, 0.7}, {0.15, 0.2, -0.1}, {0, 0, 1}, 45, {-6, 2, 5});
   const int cells = std::max(1, static_cast<int>(std::lround(std::sqrt(triangles / 2.0))));  // on a side
   const auto n = static_cast<std::size_t>(cells);
   const FractalNoise noise(cells);
