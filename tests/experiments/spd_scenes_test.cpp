@@ -1,13 +1,16 @@
-// The generated databases against the output of the original programs (../shared/spd, where it is there) and against the published counts and extents.
+// The generated databases against the output of the original programs (../shared/spd, where it is there), and against samples of it.
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <ostream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <glm/common.hpp>
 
 #include "core/bounds/aabb.h"
 #include "experiments/scenes/generators.h"
@@ -150,6 +153,94 @@ INSTANTIATE_TEST_SUITE_P(Spd, SpdFiles,
                                                                 {"rings", 7}, {"shells", 5},  {"sombrero", 1}, {"teapot", 6}, {"teapot", 12}, {"tetra", 4},
                                                                 {"tetra", 6}, {"tree", 7},    {"tree", 11}}),
                          [](const auto& file) { return file.param.name + std::to_string(file.param.size); });
+
+/// A primitive as the original programs printed it.
+struct Sample {
+  const char* spec;
+  std::int32_t prim;
+  std::array<double, 8> material;  ///< of NFF's entity f
+  std::vector<double> lengths;
+  std::vector<double> normals;
+};
+
+const std::vector<Sample> kSamples{
+    {"spd:balls:3", 273, {1, 0.9, 0.7, 0.5, 0.5, 3.0827, 0, 1}, {0.339267, 0.522591, 0.111111, 0.0185185}, {}},
+    {"spd:balls:3", 547, {1, 0.9, 0.7, 0.5, 0.5, 3.0827, 0, 1}, {-0.550064, -0.379835, 0.0555556, 0.0185185}, {}},
+    {"spd:balls:3", 820, {1, 0.9, 0.7, 0.5, 0.5, 3.0827, 0, 1}, {0.419026, -0.523783, -0.222222, 0.0185185}, {}},
+    {"spd:gears:2",
+     389,
+     {0.211045, 1, 0.802761, 1, 0, 100000, 0, 0},
+     {-0.703859, 0.0796652, 1, -0.703859, 0.0796652, 0.9, -0.718037, 0.0321341, 0.9, -0.718037, 0.0321341, 1},
+     {}},
+    {"spd:gears:2",
+     779,
+     {0.802761, 1, 1, 0.2, 0, 100000, 0.8, 1.1},
+     {0.277645, -0.0759457, 0.5, 0.277645, -0.0759457, 0.4, 0.246843, -0.0370686, 0.4, 0.246843, -0.0370686, 0.5},
+     {}},
+    {"spd:gears:2",
+     1167,
+     {1, 1, 1, 1, 0, 100000, 0, 0},
+     {0.948437, 0.503287, 0.5, 0.948437, 0.503287, 0.4, 0.996689, 0.514774, 0.4, 0.996689, 0.514774, 0.5},
+     {}},
+    {"spd:jacks:3", 219, {0.737, 0.561, 0.561, 0.7, 0.7, 11.1434, 0, 1}, {0.197784, -0.146567, -0.753861, 0.0375}, {}},
+    {"spd:jacks:3", 438, {0.737, 0.561, 0.561, 0.7, 0.7, 11.1434, 0, 1}, {-0.197784, -0.286446, 1.00386, 0.0375}, {}},
+    {"spd:jacks:3", 656, {0.737, 0.561, 0.561, 0.7, 0.7, 11.1434, 0, 1}, {0.512383, 1.04207, 0.30491, 0.0375}, {}},
+    {"spd:lattice:6", 408, {0.9, 0.1, 0.1, 0.99, 0, 100000, 0, 0}, {0.353958, 0.166667, 0.666667, 0.479375, 0.166667, 0.666667, 0.0104167, 0.0104167}, {}},
+    {"spd:lattice:6", 816, {0.1, 0.1, 0.9, 0.99, 0, 100000, 0, 0}, {0.666667, 0.5, 0.187292, 0.666667, 0.5, 0.312708, 0.0104167, 0.0104167}, {}},
+    {"spd:lattice:6", 1224, {0.9, 0.9, 0.9, 0.5, 0.5, 3.0827, 0, 0}, {1, 1, 1, 0.0416667}, {}},
+    {"spd:mount:4", 172, {0.5, 0.45, 0.35, 1, 0, 100000, 0, 0}, {0.75, -1, -0.427208, 0.875, -1, -0.13904, 0.875, -0.875, -0.12082}, {}},
+    {"spd:mount:4", 344, {0.5, 0.45, 0.35, 1, 0, 100000, 0, 0}, {0.875, 0.875, -0.0438567, 1, 0.875, 0.203188, 1, 1, 0}, {}},
+    {"spd:mount:4", 515, {0.5, 0.45, 0.35, 1, 0, 100000, 0, 0}, {-0.875, 1, -0.0309481, -1, 1, 0, -1, 0.875, 0.0897349}, {}},
+    {"spd:rings:3", 280, {0, 1, 1, 0.5, 0.2, 3.0827, 0, 0}, {0.712307, 5.62223, 0.208049, 0.07412}, {}},
+    {"spd:rings:3", 560, {0, 1, 0, 0.5, 0.2, 3.0827, 0, 0}, {0.465497, 7.68813, -0.791951, 0.07412}, {}},
+    {"spd:rings:3", 840, {1, 1, 0, 0.5, 0.2, 3.0827, 0, 0}, {2, 7.34992, 1.20805, 0.07412}, {}},
+    {"spd:shells:5", 1920, {1, 0.8, 0.4, 0.8, 0.2, 45.2776, 0, 1}, {0, 0.0591645, -0.118329, 0.0591645}, {}},
+    {"spd:shells:5", 3840, {1, 0.8, 0.4, 0.8, 0.2, 45.2776, 0, 1}, {0, 1, -2, 1}, {}},
+    {"spd:shells:5", 5760, {1, 0.8, 0.4, 0.8, 0.2, 45.2776, 0, 1}, {0, 16.902, -33.804, 16.902}, {}},
+    {"spd:sombrero:1",
+     640,
+     {1, 0.1, 0.1, 0.8, 0, 2.60078, 0, 1},
+     {-1.41935, -2.9133, -1.41935, -1.16129, -2.98098, -1.16129, -1.16129, -2.86435, -1.41935},
+     {}},
+    {"spd:sombrero:1", 1281, {1, 0.1, 0.1, 0.8, 0, 2.60078, 0, 1}, {1.16129, -3.20865, 1.16129, 1.16129, -3.16263, 1.41935, 1.41935, -2.98098, 1.41935}, {}},
+    {"spd:sombrero:1", 1921, {1, 0.1, 0.1, 0.8, 0, 2.60078, 0, 1}, {3.74194, -2.99327, 3.74194, 3.74194, -2.99594, 4, 4, -3.00164, 4}, {}},
+    {"spd:teapot:6",
+     764,
+     {1, 0.5, 0.1, 0.75, 0.25, 3.0827, 0, 0},
+     {-1.0163, 1.73037, 0.9, -0.537037, 1.92963, 0.9, -0.527092, 1.8939, 0.693403},
+     {-0.501718, 0.865031, 0, -0.260275, 0.965535, 0, -0.244192, 0.905874, -0.346067}},
+    {"spd:teapot:6",
+     1528,
+     {1, 0.5, 0.1, 0.75, 0.25, 3.0827, 0, 0},
+     {0.0638032, -0.228728, 2.88333, 0, -0.237037, 2.88333, 0, -0.171296, 2.78542},
+     {0.193465, -0.721244, -0.665116, 0, -0.747409, -0.664364, 0, -0.950775, -0.309882}},
+    {"spd:teapot:6",
+     2291,
+     {1, 0.5, 0.1, 0.75, 0.25, 3.0827, 0, 0},
+     {1.5, 0, 0.15, 1.44722, -0.402778, 0.15, 1.4355, -0.399515, 0.112847},
+     {1, 0, 0, 0.965535, -0.260275, 0, 0.743044, -0.200299, -0.638566}},
+    {"spd:tetra:4", 85, {1, 0.2, 0.2, 1, 0, 100000, 0, 0}, {-0.75, 1, -0.75, -0.75, 0.75, -1, -1, 1, -1}, {}},
+    {"spd:tetra:4", 170, {1, 0.2, 0.2, 1, 0, 100000, 0, 0}, {1, -1, -1, 1, -0.75, -0.75, 0.75, -1, -0.75}, {}},
+    {"spd:tetra:4", 255, {1, 0.2, 0.2, 1, 0, 100000, 0, 0}, {0.75, 1, 0.75, 0.75, 0.75, 1, 1, 1, 1}, {}},
+    {"spd:tree:7", 170, {0.55, 0.4, 0.2, 1, 0, 100000, 0, 0}, {0.909185, -0.696718, 2.0957, 0.00909107}, {}},
+    {"spd:tree:7", 340, {0.55, 0.4, 0.2, 1, 0, 100000, 0, 0}, {-1.21363, -0.0541, 2.18713, 0.00609102}, {}},
+    {"spd:tree:7", 510, {0.55, 0.4, 0.2, 1, 0, 100000, 0, 0}, {-0.299234, 0.515469, 2.99596, 0.00609102}, {}},
+};
+
+TEST(SpdSamples, PrimitivesAreThoseOfTheOriginalPrograms) {
+  for (const Sample& sample : kSamples) {
+    SCOPED_TRACE(std::string(sample.spec) + " primitive " + std::to_string(sample.prim));
+    const Scene scene = generate_scene(sample.spec);
+    const Shape actual = shape(scene, sample.prim);
+    const Material& material = scene.material(sample.prim);
+    // As above; the largest scene, shells, is 55 across.
+    EXPECT_EQ(first_difference(actual.lengths, sample.lengths, 1e-5, 1e-6), -1);
+    EXPECT_EQ(first_difference(actual.normals, sample.normals, 0, 6e-7), -1);
+    const std::array<double, 8> numbers{material.color.r,  material.color.g, material.color.b,       material.diffuse,
+                                        material.specular, material.shine,   material.transmittance, material.ior};
+    for (std::size_t k = 0; k < numbers.size(); ++k) EXPECT_TRUE(same_to_six_digits(numbers[k], sample.material[k])) << "number " << k << " of the material";
+  }
+}
 
 }  // namespace
 }  // namespace raymeter
