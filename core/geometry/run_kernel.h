@@ -11,22 +11,42 @@
 
 namespace raymeter {
 
+/// A run's primitives by position in the pools.
+struct PositionRefs {
+  static constexpr bool kSelective = false;
+  std::int32_t first;
+  [[nodiscard]] std::int32_t index(std::int32_t k) const noexcept { return first + k; }
+};
+
+/// A run's primitives through a list of positions.
+struct ListedRefs {
+  static constexpr bool kSelective = false;
+  const std::int32_t* list;
+  [[nodiscard]] std::int32_t index(std::int32_t k) const noexcept { return list[k]; }
+};
+
 /// Tests `count` primitives of one kind against every group of the packet that has a lane in `lanes`.
-/// index(k) gives the pool index of the k-th, test(ray, hit, i) the candidate, prim the pool's ids.
-template <Query Q, class L, int kGroups, class Stats, class Index, class Test>
-inline void test_primitives(Packet<L, kGroups>& packet, const typename L::Mask* lanes, std::int32_t count, const std::int32_t* prim, Stats stats,
-                            Index index, Test test) noexcept {
+/// refs.index(k) gives the pool index of the k-th, test(ray, hit, i) the candidate, prim the pool's ids. Refs that are kSelective also say which of the lanes
+/// want the k-th: refs.wanted(lanes, group, k).
+template <Query Q, class L, int kGroups, class Refs, class Stats, class Test>
+inline void test_primitives(Packet<L, kGroups>& packet, const typename L::Mask* lanes, std::int32_t count, const std::int32_t* prim, Refs refs, Stats stats,
+                            Test test) noexcept {
   for (int g = 0; g < packet.group_count(); ++g) {
     if (kGroups != 1 && L::none(lanes[g])) continue;
     const RayPacket<L>& ray = packet.ray[g];
     HitPacket<L>& hit = packet.hit[g];
     for (std::int32_t k = 0; k < count; ++k) {
+      typename L::Mask wanted = lanes[g];
+      if constexpr (Refs::kSelective) {
+        wanted = refs.wanted(wanted, g, k);
+        if (L::none(wanted)) continue;
+      }
       if constexpr (Stats::kCounting) {
-        const typename L::Mask tested = lanes[g] & packet.live(g);
-        if (L::none(tested)) break;  // the timed kernel tests on, to no effect
+        const typename L::Mask tested = wanted & packet.live(g);
+        if (L::none(tested)) continue;  // the timed kernel tests on, to no effect
         stats.template count<Event::prim_test, L>(tested);
       }
-      const std::int32_t i = index(k);
+      const std::int32_t i = refs.index(k);
       const SurfaceHit<L> found = test(ray, hit, i);
       if (L::none(found.meets)) continue;
       const auto closer = improves(ray, hit, found, prim[i]);
@@ -37,34 +57,35 @@ inline void test_primitives(Packet<L, kGroups>& packet, const typename L::Mask* 
   }
 }
 
+/// Tests `count` primitives of one kind that refs (see test_primitives) give.
+template <Query Q, class L, int kGroups, class Refs, class Stats>
+inline void test_refs(Packet<L, kGroups>& packet, const typename L::Mask* lanes, const PoolsView& pools, PrimKind kind, std::int32_t count, Refs refs,
+                      Stats stats) noexcept {
+  using Ray = const RayPacket<L>&;
+  using Hit = const HitPacket<L>&;
+  const auto test_all = [&](const std::int32_t* prim, auto test) noexcept { test_primitives<Q, L, kGroups>(packet, lanes, count, prim, refs, stats, test); };
+  switch (kind) {
+    case PrimKind::triangle:
+      test_all(pools.triangles.prim, [&](Ray ray, Hit, std::int32_t i) noexcept { return intersect_triangle(ray, pools.triangles, i); });
+      break;
+    case PrimKind::sphere:
+      test_all(pools.spheres.prim, [&](Ray ray, Hit hit, std::int32_t i) noexcept { return intersect_sphere(ray, hit, pools.spheres, i); });
+      break;
+    case PrimKind::polygon:
+      test_all(pools.polygons.prim, [&](Ray ray, Hit hit, std::int32_t i) noexcept { return intersect_polygon(ray, hit, pools.polygons, i); });
+      break;
+    case PrimKind::cone: test_all(pools.cones.prim, [&](Ray ray, Hit hit, std::int32_t i) noexcept { return intersect_cone(ray, hit, pools.cones, i); }); break;
+  }
+}
+
 /// Tests the primitives of `run`, by position (refs null) or through refs.
 template <Query Q, class L, int kGroups, class Stats>
 inline void test_run(Packet<L, kGroups>& packet, const typename L::Mask* lanes, const PoolsView& pools, PrimitiveRun run, const std::int32_t* refs,
                      Stats stats) noexcept {
-  const std::int32_t first = run.first;
-  const auto with_index = [&](const std::int32_t* prim, auto test) noexcept {
-    if (refs != nullptr) {
-      test_primitives<Q, L, kGroups>(packet, lanes, run.count(), prim, stats, [refs, first](std::int32_t k) noexcept { return refs[first + k]; }, test);
-    } else {
-      test_primitives<Q, L, kGroups>(packet, lanes, run.count(), prim, stats, [first](std::int32_t k) noexcept { return first + k; }, test);
-    }
-  };
-  using Ray = const RayPacket<L>&;
-  using Hit = const HitPacket<L>&;
-  switch (run.kind()) {
-    case PrimKind::triangle:
-      with_index(pools.triangles.prim, [&](Ray ray, Hit, std::int32_t i) noexcept { return intersect_triangle(ray, pools.triangles, i); });
-      break;
-    case PrimKind::sphere:
-      with_index(pools.spheres.prim, [&](Ray ray, Hit hit, std::int32_t i) noexcept { return intersect_sphere(ray, hit, pools.spheres, i); });
-      break;
-    case PrimKind::polygon:
-      with_index(pools.polygons.prim, [&](Ray ray, Hit hit, std::int32_t i) noexcept { return intersect_polygon(ray, hit, pools.polygons, i); });
-      break;
-    case PrimKind::cone:
-      with_index(pools.cones.prim, [&](Ray ray, Hit hit, std::int32_t i) noexcept { return intersect_cone(ray, hit, pools.cones, i); });
-      break;
-  }
+  if (refs != nullptr)
+    test_refs<Q, L, kGroups>(packet, lanes, pools, run.kind(), run.count(), ListedRefs{refs + run.first}, stats);
+  else
+    test_refs<Q, L, kGroups>(packet, lanes, pools, run.kind(), run.count(), PositionRefs{run.first}, stats);
 }
 
 }  // namespace raymeter

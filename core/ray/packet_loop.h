@@ -95,7 +95,8 @@ inline void load_group(const RayView& rays, std::int32_t first, std::int32_t cou
     else if (negative != 0 && ray.octant >= 0) ray.octant |= 1 << a;
   }
 
-  hit.t = L::select(valid, t_max, Float(-kInfinity));
+  // A t beyond the largest float is no hit: an unbounded ray ends there, so that an overflow to infinity is not taken for one.
+  hit.t = L::select(valid, L::min(t_max, Float(kLargest)), Float(-kInfinity));
   hit.prim = Int(kNoPrim);
   hit.u = zero;
   hit.v = zero;

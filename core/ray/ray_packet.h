@@ -8,6 +8,7 @@
 namespace raymeter {
 
 inline constexpr float kInfinity = __builtin_inff();
+inline constexpr float kLargest = 0x1.fffffep127f;
 /// The hit id of a lane that has met nothing yet: larger than every primitive, so that ties go to the smaller id.
 inline constexpr std::int32_t kNoPrim = 0x7FFFFFFF;
 

@@ -6,6 +6,7 @@
 // max(a, b) and min(a, b) return b when either is NaN, as the x86 instructions do: slab tests drop NaN by passing the accumulator second.
 
 #include <cstdint>
+#include <type_traits>
 
 #include <xsimd/xsimd.hpp>
 
@@ -40,6 +41,7 @@ struct Scalar {
   friend Scalar operator*(Scalar a, Scalar b) noexcept { return a.value * b.value; }
   friend Scalar operator/(Scalar a, Scalar b) noexcept { return a.value / b.value; }
   friend Scalar operator-(Scalar a) noexcept { return -a.value; }
+  friend Scalar operator&(Scalar a, Scalar b) noexcept requires std::is_integral_v<T> { return a.value & b.value; }
   friend ScalarMask<I> operator<(Scalar a, Scalar b) noexcept { return {a.value < b.value}; }
   friend ScalarMask<I> operator<=(Scalar a, Scalar b) noexcept { return {a.value <= b.value}; }
   friend ScalarMask<I> operator>(Scalar a, Scalar b) noexcept { return {a.value > b.value}; }
