@@ -5,6 +5,7 @@
 #include <string>
 
 #include "accel/bvh/bvh.h"
+#include "accel/grid/grid.h"
 #include "accel/list/list.h"
 
 namespace raymeter {
@@ -12,7 +13,7 @@ namespace raymeter {
 namespace {
 
 // THE table: a new technique is one folder and one row here.
-constexpr std::array kStructures{kListEntry, kBvhEntry};
+constexpr std::array kStructures{kListEntry, kBvhEntry, kGridEntry};
 
 /// Reads a value as the type that the parameter has.
 ParamValue parse_value(const ParamInfo& info, std::string_view text) {

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+
+#include "accel/technique.h"
+
+namespace raymeter {
+
+struct GridParams {
+  double density = 4.0;
+  std::string rule = "cubic";
+  std::string resolution = "auto";
+  int max_resolution = 4096;
+  bool mailbox = true;
+
+  static auto fields() {
+    using Field = Param<GridParams>;
+    return std::array{
+        Field{"density", &GridParams::density, "cells per primitive", 0.01, 64},
+        Field{"rule", &GridParams::rule, "how density becomes a resolution", 0, 0, {"cubic", "woo", "customary"}},
+        Field{"resolution", &GridParams::resolution, "cells on each axis as NXxNYxNZ, or auto: by rule and density"},
+        Field{"max_resolution", &GridParams::max_resolution, "cells on an axis at most, where resolution is auto", 1, 65535},
+        Field{"mailbox", &GridParams::mailbox, "test no primitive twice for one ray", 0, 0, {}, ParamUse::query},
+    };
+  }
+};
+
+[[nodiscard]] std::unique_ptr<Structure> build_grid(const Scene& scene, const ParamValues& values, int threads);
+
+inline constexpr StructureEntry kGridEntry{"grid",
+                                           "uniform grid, traversed cell by cell (3D-DDA)",
+                                           "Fujimoto, Tanaka, Iwata 1986; Amanatides, Woo 1987; Cleary, Wyvill 1988",
+                                           param_infos<GridParams>,
+                                           resolve_params<GridParams>,
+                                           build_grid};
+
+}  // namespace raymeter

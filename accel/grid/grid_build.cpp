@@ -1,0 +1,271 @@
+#include "accel/grid/grid_build.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+#include <tbb/parallel_scan.h>
+
+#include "core/base/threads.h"
+#include "core/geometry/error_bounds.h"
+
+namespace raymeter {
+
+namespace {
+
+using Range = tbb::blocked_range<std::size_t>;
+constexpr std::size_t kGrain = 4096;
+constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+
+/// Roundings that a grid adds to those of the primitive (8): 3 of the crossing, and 1 to spare. grid_kernel.cpp has the proof.
+constexpr double kGridError = 12 * double{kUnitRoundoff};
+/// Rays that start up to this many extents away always use the grid.
+constexpr double kLeastReach = 8;
+/// A list reaches this share of a cell beyond it; rays may then start some two thousand cells away.
+constexpr double kMarginCells = 1.0 / 512;
+
+struct Bounds {
+  Aabb tight;
+  Aabb padded;
+};
+
+double largest_coordinate(const Aabb& box, glm::length_t a) noexcept { return std::max(std::abs(double{box.min[a]}), std::abs(double{box.max[a]})); }
+
+/// Cells that single precision can tell apart, at most: a primitive's padding is not to fill several cells.
+std::int32_t useful_resolution(const Aabb& box, glm::length_t a) noexcept {
+  const double extent = double{box.max[a]} - double{box.min[a]};
+  const double least = std::max(4 * double{kBoundsPadding} * largest_coordinate(box, a), 0x1p-100);
+  // An extent beyond float's range would make planes of infinity.
+  if (!(extent >= least) || extent > double{std::numeric_limits<float>::max()}) return 1;
+  return static_cast<std::int32_t>(std::min(extent / least, 65535.0));
+}
+
+class GridBuilder {
+public:
+  explicit GridBuilder(const Scene& scene) : pools_(scene.pools()) {
+    for (std::size_t k = 0; k < kPrimKindCount; ++k) {
+      const auto kind = static_cast<PrimKind>(k);
+      const std::size_t count = pools_.size(kind);
+      if (count > GridRef::kIndexMask + std::size_t{1}) throw Error("grid: at most 67108864 primitives of one kind");
+      if (count == 0) continue;
+      first_entry_.push_back(entry_count_);
+      grid_.kinds.push_back(kind);
+      entry_count_ += count;
+    }
+    if (grid_.kinds.empty()) grid_.kinds.push_back(PrimKind::triangle);  // a list of none
+    entries_.resize(entry_count_);
+  }
+
+  UniformGrid run(const GridParams& params) {
+    const Bounds bounds = find_bounds();
+    const glm::dvec3 extent = bounds.tight.empty() ? glm::dvec3(0.0) : glm::dvec3(bounds.tight.max) - glm::dvec3(bounds.tight.min);
+    GridResolution resolution = grid_resolution(params, extent, static_cast<std::int64_t>(entry_count_));
+    for (std::size_t a = 0; a < 3; ++a) resolution[a] = std::min(resolution[a], useful_resolution(bounds.tight, static_cast<glm::length_t>(a)));
+    const std::int64_t allowed = params.resolution == "auto" ? 32 * static_cast<std::int64_t>(entry_count_) + (1 << 20) : kMost;
+    for (;;) {
+      place(bounds, resolution);
+      const std::int64_t slots = grid_.cell_count() * static_cast<std::int64_t>(grid_.kinds.size());
+      const std::int64_t references = slots < kMost ? count_references() : kMost;
+      if (slots < kMost && references <= allowed && references < kMost) break;
+      if (params.resolution != "auto" || slots >= kMost) {
+        throw Error((params.resolution != "auto" ? "resolution" : "density") + std::string(": a grid of ") + std::to_string(grid_.cell_count()) +
+                    " cells and " + (slots < kMost ? std::to_string(references) + " references" : "their lists") + " is too large; expected less than 2^31");
+      }
+      for (std::int32_t& n : resolution) n = (n + 1) / 2;
+    }
+    count_cells();
+    scatter();
+    return std::move(grid_);
+  }
+
+private:
+  [[nodiscard]] PrimRef prim(std::size_t entry) const noexcept {
+    std::size_t k = grid_.kinds.size() - 1;
+    while (entry < first_entry_[k]) --k;
+    return prim_ref(grid_.kinds[k], entry - first_entry_[k]);
+  }
+
+  [[nodiscard]] Bounds find_bounds() const {
+    return tbb::parallel_reduce(
+        Range(0, entry_count_, kGrain), Bounds{},
+        [&](const Range& range, Bounds sum) {
+          for (std::size_t e = range.begin(); e < range.end(); ++e) {
+            const Aabb box = tight_bounds(pools_, prim(e));
+            sum.tight.grow(box);
+            sum.padded.grow(padded(box));
+          }
+          return sum;
+        },
+        [](Bounds a, const Bounds& b) {
+          a.tight.grow(b.tight);
+          a.padded.grow(b.padded);
+          return a;
+        });
+  }
+
+  /// Lays out the cells, and how far from them a ray may start (grid_kernel.cpp).
+  void place(const Bounds& bounds, const GridResolution& resolution) {
+    GridFrame& frame = grid_.frame;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto axis = static_cast<glm::length_t>(a);
+      const double low = double{bounds.padded.min[axis]}, high = double{bounds.padded.max[axis]};
+      frame.box[a] = bounds.padded.min[axis];
+      frame.box[a + 3] = bounds.padded.max[axis];
+      frame.resolution[a] = resolution[a];
+      frame.reach[a] = std::numeric_limits<float>::infinity();
+      frame.max_speed[a] = 0x1p126f;
+      if (resolution[a] == 1) continue;  // no planes: size and origin are of no use
+      const double extent = double{bounds.tight.max[axis]} - double{bounds.tight.min[axis]};
+      const double cell = extent / resolution[a];
+      grid_.margin[a] = std::max(kMarginCells * cell, kGridError * kLeastReach * extent);
+      // Boxes that touch a plane of the exact division would be listed on both of its sides, and regular scenes are full of them. With the planes a little
+      // higher only those that begin there are, not those that end there: what most programs do, whose coordinates are rounded to cells in one direction.
+      const double shift = 2 * (grid_.margin[a] + double{kBoundsPadding} * largest_coordinate(bounds.tight, axis));
+      frame.origin[a] = static_cast<float>(double{bounds.tight.min[axis]} + shift);
+      frame.cell_size[a] = static_cast<float>(cell);
+      frame.inv_cell_size[a] = static_cast<float>(1 / cell);
+      frame.center[a] = static_cast<float>(0.5 * (low + high));
+      frame.reach[a] = static_cast<float>(grid_.margin[a] / kGridError - 0.5 * (high - low));
+      frame.max_speed[a] = static_cast<float>(std::min(0x1p126, cell * 0x1p120));
+    }
+  }
+
+  /// Finds every entry's cells; returns how many references that makes.
+  std::int64_t count_references() {
+    return tbb::parallel_reduce(
+        Range(0, entry_count_, kGrain), std::int64_t{0},
+        [&](const Range& range, std::int64_t sum) {
+          for (std::size_t e = range.begin(); e < range.end(); ++e) {
+            entries_[e] = cells_of(grid_, padded_bounds(pools_, prim(e)));
+            // Saturating: the sum of 2^26 products of three 16-bit numbers may exceed 63 bits.
+            sum = std::min(sum + std::min(entries_[e].count(), kMost), kMost);
+          }
+          return sum;
+        },
+        [](std::int64_t a, std::int64_t b) { return std::min(a + b, kMost); });
+  }
+
+  /// Calls body(slot in `first`, reference) for each cell that entry e touches.
+  template <class Body>
+  void for_each_cell(std::size_t e, Body&& body) const {
+    const PrimRef ref = prim(e);
+    const auto kind_count = static_cast<std::int64_t>(grid_.kinds.size());
+    const std::int64_t kind = std::find(grid_.kinds.begin(), grid_.kinds.end(), ref.kind()) - grid_.kinds.begin();
+    const CellRange& cells = entries_[e];
+    const auto neighbours = [&](std::size_t a, std::uint32_t i) noexcept {
+      const int axis = static_cast<int>(a);
+      return (i > cells.low[a] ? GridRef::neighbour_bit(axis, 0) : 0u) | (i < cells.high[a] ? GridRef::neighbour_bit(axis, 1) : 0u);
+    };
+    for (std::uint32_t z = cells.low[2]; z <= cells.high[2]; ++z) {
+      for (std::uint32_t y = cells.low[1]; y <= cells.high[1]; ++y) {
+        const std::int64_t row = (std::int64_t{z} * grid_.frame.resolution[1] + y) * grid_.frame.resolution[0];
+        const std::uint32_t beside = neighbours(1, y) | neighbours(2, z);
+        for (std::uint32_t x = cells.low[0]; x <= cells.high[0]; ++x) {
+          body(static_cast<std::size_t>((row + x) * kind_count + kind), ref.index | (beside | neighbours(0, x)) << GridRef::kIndexBits);
+        }
+      }
+    }
+  }
+
+  /// First pass: first[slot] becomes the end of the slot's list, which the second pass moves to its beginning.
+  void count_cells() {
+    const auto slots = static_cast<std::size_t>(grid_.cell_count()) * grid_.kinds.size();
+    grid_.first.resize(slots + 1);
+    tbb::parallel_for(Range(0, entry_count_, kGrain), [&](const Range& range) {
+      for (std::size_t e = range.begin(); e < range.end(); ++e) {
+        for_each_cell(e, [&](std::size_t slot, std::uint32_t) { std::atomic_ref(grid_.first[slot]).fetch_add(1, std::memory_order_relaxed); });
+      }
+    });
+    const std::int32_t references = tbb::parallel_scan(
+        Range(0, slots, 16 * kGrain), std::int32_t{0},
+        [&](const Range& range, std::int32_t sum, bool final) {
+          for (std::size_t slot = range.begin(); slot < range.end(); ++slot) {
+            sum += grid_.first[slot];
+            if (final) grid_.first[slot] = sum;
+          }
+          return sum;
+        },
+        [](std::int32_t a, std::int32_t b) { return a + b; });
+    grid_.first[slots] = references;
+    grid_.refs.resize(static_cast<std::size_t>(references));
+  }
+
+  /// Second pass, and the order that the threads' race leaves open.
+  void scatter() {
+    tbb::parallel_for(Range(0, entry_count_, kGrain), [&](const Range& range) {
+      for (std::size_t e = range.begin(); e < range.end(); ++e) {
+        for_each_cell(e, [&](std::size_t slot, std::uint32_t ref) {
+          const std::int32_t end = std::atomic_ref(grid_.first[slot]).fetch_sub(1, std::memory_order_relaxed);
+          grid_.refs[static_cast<std::size_t>(end - 1)] = ref;
+        });
+      }
+    });
+    const std::size_t slots = grid_.first.size() - 1;
+    tbb::parallel_for(Range(0, slots, 16 * kGrain), [&](const Range& range) {
+      for (std::size_t slot = range.begin(); slot < range.end(); ++slot) {
+        std::sort(grid_.refs.data() + grid_.first[slot], grid_.refs.data() + grid_.first[slot + 1],
+                  [](std::uint32_t a, std::uint32_t b) { return (a & GridRef::kIndexMask) < (b & GridRef::kIndexMask); });
+      }
+    });
+  }
+
+  const Pools& pools_;
+  UniformGrid grid_;
+  std::vector<std::size_t> first_entry_;  ///< per kind
+  std::vector<CellRange> entries_;
+  std::size_t entry_count_ = 0;
+};
+
+}  // namespace
+
+std::int64_t CellRange::count() const noexcept {
+  std::int64_t product = 1;
+  for (std::size_t a = 0; a < 3; ++a) product *= high[a] - low[a] + 1;
+  return product;
+}
+
+std::int64_t UniformGrid::cell_count() const noexcept { return std::int64_t{frame.resolution[0]} * frame.resolution[1] * frame.resolution[2]; }
+
+GridView UniformGrid::view(const Pools& pools, bool mailbox) const noexcept {
+  GridView view{pools.view(), frame, first.data(), refs.data(), static_cast<std::int32_t>(kinds.size()), {}, {}, mailbox ? 0x3Fu : 0u};
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    view.kind[k] = kinds[k];
+    view.prim_count[k] = static_cast<std::int32_t>(pools.size(kinds[k]));
+  }
+  return view;
+}
+
+CellRange cells_of(const UniformGrid& grid, const Aabb& box) noexcept {
+  CellRange cells{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::int32_t last = grid.frame.resolution[a] - 1;
+    if (last == 0) continue;
+    const float size = grid.frame.cell_size[a], origin = grid.frame.origin[a];
+    const auto plane = [&](std::int32_t i) noexcept { return double{grid_plane(static_cast<float>(i), size, origin)}; };
+    // An estimate, moved to where the planes themselves put it.
+    const auto estimate = [&](double x) noexcept {
+      return static_cast<std::int32_t>(std::clamp((x - double{origin}) * double{grid.frame.inv_cell_size[a]}, 0.0, static_cast<double>(last)));
+    };
+    const double low = double{box.min[static_cast<glm::length_t>(a)]} - grid.margin[a];
+    const double high = double{box.max[static_cast<glm::length_t>(a)]} + grid.margin[a];
+    std::int32_t i = estimate(low);
+    while (i < last && plane(i + 1) < low) ++i;
+    while (i > 0 && plane(i) >= low) --i;
+    cells.low[a] = static_cast<std::uint16_t>(i);
+    i = std::max(i, estimate(high));
+    while (i > cells.low[a] && plane(i) > high) --i;
+    while (i < last && plane(i + 1) <= high) ++i;
+    cells.high[a] = static_cast<std::uint16_t>(i);
+  }
+  return cells;
+}
+
+UniformGrid build_uniform_grid(const Scene& scene, const GridParams& params, int threads) {
+  return on_threads(threads, [&] { return GridBuilder(scene).run(params); });
+}
+
+}  // namespace raymeter

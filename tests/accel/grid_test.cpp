@@ -1,0 +1,216 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "accel/grid/grid_build.h"
+#include "accel/registry.h"
+#include "core/trace/trace.h"
+
+namespace raymeter {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kDenormal = std::numeric_limits<float>::denorm_min();
+
+/// Uniform in [0, 1), the same on every library.
+double uniform(std::mt19937& random) { return static_cast<double>(random()) * 0x1p-32; }
+glm::dvec3 point(std::mt19937& random) {
+  const double x = uniform(random), y = uniform(random);
+  return {x, y, uniform(random)};
+}
+template <class T>
+const T& pick(std::mt19937& random, const std::vector<T>& from) {
+  return from[random() % from.size()];
+}
+
+/// All kinds, in a unit cube that is scaled and moved.
+Scene mixed_scene(int count, double size, double scale = 1, const glm::dvec3& offset = glm::dvec3(0.0)) {
+  std::mt19937 random(1);
+  Scene scene;
+  for (int i = 0; i < count; ++i) {
+    const glm::dvec3 p = offset + scale * point(random), e = scale * size * point(random), f = scale * size * point(random);
+    const std::array<glm::dvec3, 4> quad{p, p + e, p + e + f, p + f};
+    switch (i % 4) {
+      case 0: scene.add_triangle(p, p + e, p + f); break;
+      case 1: scene.add_sphere(p, 0.5 * scale * size * uniform(random)); break;
+      case 2: scene.add_cone(p, 0.1 * scale * size, p + e, 0.05 * scale * size); break;
+      default: scene.add_polygon(quad);
+    }
+  }
+  scene.finish();
+  return scene;
+}
+
+Ray ray(const glm::dvec3& from, const glm::dvec3& dir, float t_max = kInf) {
+  const glm::vec3 o(from), d(dir);
+  return {{o.x, o.y, o.z}, 0, {d.x, d.y, d.z}, t_max};
+}
+
+/// Rays of every direction through the scene's box, from inside and outside.
+RayBatch random_rays(int count, double scale = 1, const glm::dvec3& offset = glm::dvec3(0.0)) {
+  std::mt19937 random(2);
+  RayBatch rays;
+  for (int i = 0; i < count; ++i) {
+    const glm::dvec3 from = offset + scale * (3.0 * point(random) - 1.0), to = offset + scale * point(random);
+    rays.push_back(ray(from, to - from));
+  }
+  return rays;
+}
+
+/// Rays whose origins and directions fall on planes, edges and corners of a grid over [0, n]^3 with unit cells, or just beside them.
+RayBatch lattice_rays(int count, int n) {
+  std::mt19937 random(3);
+  const std::vector<float> speeds{0, -0.0f, 1, -1, 0.5f, -2, 1 + 0x1p-23f, kDenormal, -kDenormal, 0x1p-127f, -0x1p-126f, 1e-20f, 1e20f, 0x1p127f};
+  RayBatch rays;
+  while (static_cast<int>(rays.size()) < count) {
+    Ray r{{0, 0, 0}, 0, {0, 0, 0}, kInf};
+    for (std::size_t a = 0; a < 3; ++a) {
+      r.org[a] = static_cast<float>(static_cast<int>(random() % static_cast<unsigned>(2 * n + 9)) - 4) / 2;
+      switch (random() % 8) {
+        case 0: r.org[a] = std::nextafter(r.org[a], kInf); break;
+        case 1: r.org[a] = std::nextafter(r.org[a], -kInf); break;
+        case 2: r.org[a] += static_cast<float>(uniform(random)); break;
+        default: break;
+      }
+      r.dir[a] = random() % 4 == 0 ? static_cast<float>(2 * uniform(random) - 1) : pick(random, speeds);
+    }
+    if (random() % 32 == 0) r.t_min = -kInf;
+    if (random() % 32 == 0) r.org[random() % 3] = 1e30f;
+    rays.push_back(r);
+  }
+  return rays;
+}
+
+struct Answer {
+  HitBatch hits;
+  Column<std::int32_t> blocker;
+  Counters closest;
+};
+
+Answer answer(const Scene& scene, const RayBatch& rays, std::string_view technique, Isa isa, int packet) {
+  const TechniqueSpec spec = parse_technique(technique);
+  const auto structure = spec.structure->build(scene, spec.params, 2);
+  const auto intersector = structure->intersector({isa, packet, spec.params});
+  Answer out;
+  trace_closest(*intersector, rays, out.hits, 2, &out.closest);
+  trace_any(*intersector, rays, out.blocker, 2);
+  return out;
+}
+
+void expect_equals_list(const Scene& scene, const RayBatch& rays, const std::string& technique) {
+  for (const Isa isa : kIsas) {
+    if (!available(isa)) continue;
+    const Answer list = answer(scene, rays, "list", isa, simd_width(isa));
+    for (const int packet : {1, 5, 16, 64}) {
+      const Answer grid = answer(scene, rays, technique, isa, packet);
+      int differ = 0;
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (std::bit_cast<std::uint32_t>(list.hits.t[i]) == std::bit_cast<std::uint32_t>(grid.hits.t[i]) && list.hits.prim[i] == grid.hits.prim[i] &&
+            (list.hits.prim[i] >= 0) == (grid.blocker[i] >= 0)) {
+          continue;
+        }
+        if (++differ > 3) continue;
+        const Ray r = rays[i];
+        ADD_FAILURE() << technique << " " << name(isa) << " packet " << packet << " ray " << i << " (" << r.org[0] << " " << r.org[1] << " " << r.org[2]
+                      << ") (" << r.dir[0] << " " << r.dir[1] << " " << r.dir[2] << ") t_min " << r.t_min << ": list " << list.hits.prim[i] << " at "
+                      << list.hits.t[i] << ", grid " << grid.hits.prim[i] << " at " << grid.hits.t[i] << ", blocked by " << grid.blocker[i];
+      }
+      EXPECT_TRUE(bits_equal(list.hits, grid.hits)) << technique << " " << name(isa) << " packet " << packet << ": " << differ;
+    }
+  }
+}
+
+TEST(Grid, EqualsListBitForBit) {
+  const Scene scene = mixed_scene(2000, 0.1);
+  for (const char* technique : {"grid", "grid:density=0.1", "grid:density=40", "grid:resolution=1x40x3", "grid:mailbox=off"}) {
+    expect_equals_list(scene, random_rays(3000), technique);
+  }
+}
+
+TEST(Grid, EqualsListAtHugeAndTinyCoordinates) {
+  for (const double scale : {1e-8, 1e8}) {
+    expect_equals_list(mixed_scene(400, 0.2, scale), random_rays(500, scale), "grid:density=20");
+    expect_equals_list(mixed_scene(400, 0.2, 1, glm::dvec3(scale)), random_rays(500, 1, glm::dvec3(scale)), "grid:density=20");
+  }
+  expect_equals_list(mixed_scene(400, 0.2, 1, {1e4, -3e4, 0}), random_rays(1000, 1, {1e4, -3e4, 0}), "grid:density=20");
+}
+
+/// Primitives whose faces, edges and corners lie on the planes of an 8 x 8 x 8 grid.
+Scene lattice_scene() {
+  std::mt19937 random(4);
+  const auto corner = [&] { return glm::dvec3(random() % 9, random() % 9, random() % 9); };
+  Scene scene;
+  scene.add_triangle({0, 0, 0}, {8, 0, 0}, {0, 8, 8});  // spans the box, so that the cells have size 1
+  scene.add_triangle({8, 8, 8}, {0, 8, 0}, {8, 0, 8});
+  for (int i = 0; i < 300; ++i) {
+    const glm::dvec3 a = corner();
+    const int axis = static_cast<int>(random() % 3);
+    glm::dvec3 b(0.0), c(0.0);
+    b[(axis + 1) % 3] = a[(axis + 1) % 3] < 8 ? 1 : -1;
+    c[(axis + 2) % 3] = a[(axis + 2) % 3] < 8 ? 1 : -1;
+    const std::array<glm::dvec3, 4> quad{a, a + b, a + b + c, a + c};
+    if (i % 3 == 0)
+      scene.add_polygon(quad);
+    else
+      scene.add_triangle(a, a + b, a + c);
+  }
+  scene.finish();
+  return scene;
+}
+
+TEST(Grid, EqualsListOnPlanesEdgesAndCorners) { expect_equals_list(lattice_scene(), lattice_rays(20000, 8), "grid:resolution=8x8x8"); }
+
+TEST(Grid, EqualsListForFarOrigins) {
+  const Scene scene = mixed_scene(300, 0.2);
+  for (const double distance : {10.0, 1e3, 1e5, 1e7, 1e12}) {
+    std::mt19937 random(5);
+    RayBatch rays;
+    for (int i = 0; i < 500; ++i) {
+      const glm::dvec3 from = distance * (2.0 * point(random) - 1.0);
+      rays.push_back(ray(from, point(random) - from));
+    }
+    expect_equals_list(scene, rays, "grid:resolution=64x32x128");
+  }
+}
+
+TEST(Grid, HandlesDegenerateScenes) {
+  const RayBatch rays = random_rays(200);
+  Scene empty, one, same, concentric, points;
+  one.add_sphere({0.5, 0.5, 0.5}, 0.4);
+  for (int i = 0; i < 3000; ++i) same.add_triangle({0, 0, 0}, {1, 0, 1}, {0, 1, 1});
+  for (int i = 1; i <= 256; ++i) concentric.add_sphere({0.5, 0.5, 0.5}, i / 256.0);
+  for (int i = 0; i < 100; ++i) points.add_sphere({0.5, 0.5, 0.5}, 0);
+  for (Scene* scene : {&empty, &one, &same, &concentric, &points}) {
+    scene->finish();
+    expect_equals_list(*scene, rays, "grid");
+  }
+  Scene flat, huge;
+  std::mt19937 random(6);
+  for (int i = 0; i < 500; ++i) {
+    const glm::dvec3 p = point(random) * glm::dvec3(1, 1, 0), e(0.05 * uniform(random), 0, 0), f(0, 0.05 * uniform(random), 0);
+    flat.add_triangle(p, p + e, p + f);
+    huge.add_triangle(3e38 * (2.0 * point(random) - 1.0), 3e38 * (2.0 * point(random) - 1.0), 3e38 * (2.0 * point(random) - 1.0));
+  }
+  expect_equals_list(flat, rays, "grid:density=16");
+  expect_equals_list(huge, rays, "grid");
+}
+
+TEST(Grid, FindsTheOccluderBeforeTheEndOfALargeTriangle) {
+  Scene scene;
+  scene.add_triangle({-10, -10, 0}, {10, -10, 8}, {0, 30, 4});  // met far behind the cell in which it is tested first
+  scene.add_triangle({5, -1, 4}, {5, 1, 4}, {5, 0, 6.5});
+  scene.add_sphere({-9.9, 0, 7.9}, 0.1);
+  RayBatch rays;
+  rays.push_back(ray({-9, 0, 5}, {1, 0, 0}));
+  rays.push_back(ray({-9, 0, 5}, {1, 0, 0}, 13.9f));
+  expect_equals_list(scene, rays, "grid:resolution=20x1x1");
+  const Answer grid = answer(scene, rays, "grid:resolution=20x1x1", Isa::scalar, 1);
+  EXPECT_EQ(grid.hits.prim[0], 0);
+  EXPECT_EQ(grid.hits.prim[1], 0);
+}
+
+}  // namespace
+}  // namespace raymeter
