@@ -62,6 +62,11 @@ public:
     if (size > 0) std::memcpy(data_.get(), values, size * sizeof(T));
     size_ = size;
   }
+  void append(const Column& other) {
+    const std::size_t old_size = size_, added = other.size_;
+    resize(old_size + added);
+    if (added > 0) std::memcpy(data_.get() + old_size, other.data_.get(), added * sizeof(T));
+  }
   void reserve(std::size_t capacity) {
     if (capacity > capacity_) grow(capacity);
   }

@@ -40,6 +40,15 @@ void RayBatch::push_back(const Ray& ray) {
   t_max.push_back(ray.t_max);
 }
 
+void RayBatch::append(const RayBatch& other) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    org[a].append(other.org[a]);
+    dir[a].append(other.dir[a]);
+  }
+  t_min.append(other.t_min);
+  t_max.append(other.t_max);
+}
+
 void RayBatch::set(std::size_t i, const Ray& ray) noexcept {
   for (int a = 0; a < 3; ++a) {
     org[a][i] = ray.org[a];

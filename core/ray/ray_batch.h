@@ -29,6 +29,7 @@ struct RayBatch {
   void reserve(std::size_t size);
   void clear() noexcept;
   void push_back(const Ray& ray);
+  void append(const RayBatch& other);
   void set(std::size_t i, const Ray& ray) noexcept;
   [[nodiscard]] Ray operator[](std::size_t i) const noexcept;
   /// Rays [first, first + count).

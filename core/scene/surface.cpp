@@ -113,28 +113,25 @@ namespace {
 Ray lifted_ray(const Surface& surface, const dvec3& towards) noexcept {
   const double lift = glm::dot(surface.geometric, towards) < 0 ? -surface.clearance : surface.clearance;
   const glm::vec3 org(surface.point + lift * surface.geometric);
-  return {{org.x, org.y, org.z}, 0, {0, 0, 0}, 0};
+  return {{org.x, org.y, org.z}, 0, {0, 0, 0}, std::numeric_limits<float>::infinity()};
 }
 
-void set_direction(Ray& ray, const dvec3& dir) noexcept {
+void set_direction(Ray& ray, const dvec3& dir, double distance_min) noexcept {
   for (int a = 0; a < 3; ++a) ray.dir[a] = static_cast<float>(dir[a]);
+  if (distance_min > 0) ray.t_min = static_cast<float>(distance_min / glm::length(dir));
 }
 
 }  // namespace
 
-Ray spawn_ray(const Surface& surface, const dvec3& dir, double t_min) noexcept {
+Ray spawn_ray(const Surface& surface, const dvec3& dir, double distance_min) noexcept {
   Ray ray = lifted_ray(surface, dir);
-  set_direction(ray, dir);
-  ray.t_min = static_cast<float>(t_min);
-  ray.t_max = std::numeric_limits<float>::infinity();
+  set_direction(ray, dir, distance_min);
   return ray;
 }
 
 Ray spawn_ray_to(const Surface& surface, const dvec3& target, double distance_min) noexcept {
   Ray ray = lifted_ray(surface, target - surface.point);
-  const dvec3 dir = target - dvec3(ray.org[0], ray.org[1], ray.org[2]);
-  set_direction(ray, dir);
-  ray.t_min = distance_min > 0 ? static_cast<float>(distance_min / glm::length(dir)) : 0.0f;
+  set_direction(ray, target - dvec3(ray.org[0], ray.org[1], ray.org[2]), distance_min);
   ray.t_max = 1 - kUnitRoundoff;
   return ray;
 }

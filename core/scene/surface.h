@@ -24,9 +24,9 @@ struct Surface {
 /// The surface that `ray` meets at about `t` on primitive `prim`.
 [[nodiscard]] Surface surface_at(const Scene& scene, const Ray& ray, float t, std::int32_t prim) noexcept;
 
-/// A ray from the surface: its origin is lifted off by the clearance, to the side that `dir` points to.
-[[nodiscard]] Ray spawn_ray(const Surface& surface, const glm::dvec3& dir, double t_min = 0) noexcept;
-/// A ray from the surface to `target`, which lies at t = 1 and is excluded: t_max is one ulp below.
+/// A ray from the surface: its origin is lifted off by the clearance, to the side that `dir` points to. It meets nothing nearer than `distance_min`.
+[[nodiscard]] Ray spawn_ray(const Surface& surface, const glm::dvec3& dir, double distance_min = 0) noexcept;
+/// The same towards `target`, which lies at t = 1 and is excluded: t_max is one ulp below.
 [[nodiscard]] Ray spawn_ray_to(const Surface& surface, const glm::dvec3& target, double distance_min = 0) noexcept;
 
 }  // namespace raymeter

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/render/first_hit.h"
+#include "core/render/image.h"
+#include "core/render/termination.h"
+#include "core/scene/scene.h"
+#include "core/stats/counters.h"
+#include "core/trace/intersector.h"
+
+namespace raymeter {
+
+/// Rays of an image by kind. `refraction` is without the totally reflected ones, which `tir` counts.
+struct RayCounts {
+  std::int64_t primary = 0;
+  std::int64_t primary_hit = 0;
+  std::int64_t reflection = 0;
+  std::int64_t reflection_hit = 0;
+  std::int64_t refraction = 0;
+  std::int64_t refraction_hit = 0;
+  std::int64_t tir = 0;
+  std::int64_t shadow = 0;
+  std::int64_t shadow_blocked = 0;
+  friend bool operator==(const RayCounts&, const RayCounts&) = default;
+};
+
+struct RenderOptions {
+  CameraModel model;
+  Termination termination;
+  int threads = 0;               ///< 0: all
+  Counters* counters = nullptr;  ///< added to, where given: the counting kernels trace
+};
+
+struct Rendering {
+  Image image;
+  RayCounts rays;
+};
+
+/// Renders a scene after Whitted 1980 (CACM 23(6)), under the conditions of the Standard Procedural Databases:
+///  - at each hit, a shadow ray for each light that the surface faces; a light that is not blocked is shaded after Phong;
+///  - a reflection ray at each hit on a surface that reflects or transmits, whatever its weight;
+///  - a refraction ray at each hit on one that transmits; on total internal reflection the mirrored ray carries its share;
+///  - an eye ray has depth 1, and rays are followed as `termination` says. What meets nothing sees the background.
+/// Surfaces follow surface_rules() of the camera's convention. An opaque material's index of refraction is not looked at (NFF files carry 0 there).
+///
+/// Bands of pixels are traced one generation after the other over batches of bounded size: memory depends on neither the image's size nor, but for
+/// max_depth batches, on the tree of rays. The image and the counts are the same on any number of threads.
+[[nodiscard]] Rendering render(const Scene& scene, FirstHit& first_hit, Intersector& intersector, const RenderOptions& options);
+
+}  // namespace raymeter
