@@ -72,7 +72,7 @@ public:
   Rendering render() {
     const CameraModel& model = options_.model;
     out_.image = {model.width, model.height, Column<glm::vec3>(static_cast<std::size_t>(model.pixel_count()), glm::vec3(0))};
-    if (!options_.termination.follows(1, 1)) return std::move(out_);
+    if (!options_.termination.traces_eye_rays()) return std::move(out_);
     const PixelOrder order(model.width, model.height);
     for (std::int32_t block = 0; block < order.block_count();) {
       pixels_.clear();
