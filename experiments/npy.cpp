@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "experiments/in_quotes.h"
 
 namespace raymeter {
 
@@ -168,9 +169,9 @@ void write_elements(AtomicFile& file, std::size_t count, Make&& element) {
 
 RayBatch parse_rays_npy(std::string_view bytes, std::string_view name) {
   const auto [header, data] = split(bytes, name);
-  if (header.descr != "<f4") throw Error(fmt::format("{}: dtype {}, expected float32 ('<f4')", name, header.descr));
+  if (header.descr != "<f4") throw Error(fmt::format("{}: dtype {}, expected float32 ('<f4')", name, in_quotes(header.descr)));
   if (header.shape.size() != 2 || header.shape[1] != kRayColumns) {
-    throw Error(fmt::format("{}: shape {}, expected (N, 8): ox oy oz tmin dx dy dz tmax", name, shape_text(header.shape)));
+    throw Error(fmt::format("{}: shape {}, expected (N, 8): ox oy oz tmin dx dy dz tmax", name, in_quotes(shape_text(header.shape))));
   }
   if (header.fortran_order) throw Error(fmt::format("{}: Fortran order, expected C order", name));
   const std::uint64_t count = header.shape[0];

@@ -36,7 +36,8 @@ struct Light {
   friend bool operator==(const Light&, const Light&) = default;
 };
 
-/// A composite object: primitives [first_prim, end_prim), in the space that `to_world` maps to the world (identity for most).
+/// A composite object: primitives [first_prim, end_prim), stored in world space like all. `to_world` is the frame in which the file or generator made it
+/// (identity for most).
 struct Object {
   std::string name;
   std::int32_t first_prim = 0;

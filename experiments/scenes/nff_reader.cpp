@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "experiments/in_quotes.h"
 #include "experiments/scenes/default_view.h"
 #include "experiments/scenes/nff_defaults.h"
 #include "experiments/scenes/scene_readers.h"

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "experiments/in_quotes.h"
 #include "experiments/scenes/text_reader.h"
 
 namespace raymeter {

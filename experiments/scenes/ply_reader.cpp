@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "experiments/in_quotes.h"
 #include "experiments/scenes/default_view.h"
 #include "experiments/scenes/face.h"
 #include "experiments/scenes/ply_header.h"

@@ -17,8 +17,14 @@ struct SceneFormat {
 
 [[nodiscard]] std::span<const SceneFormat> scene_formats() noexcept;
 
+/// glTF 2.0, text or binary: triangles, strips and fans of the shown scene, base colours, the first perspective camera. Every node with a mesh is a composite
+/// object; its triangles are stored in world space. Lines, points, skins, morph targets and textures are skipped.
+[[nodiscard]] Scene read_gltf(const SourceFile& file);
 /// Neutral File Format. Triangles (`p` and `pp` of 3 vertices) become triangles, larger ones polygons, whose vertex normals are not kept.
 [[nodiscard]] Scene read_nff(const SourceFile& file);
+/// Wavefront OBJ: polygons, made primitives by add_face, with normals and the materials of libraries that lie beside the file. Each `o` or `g` begins a
+/// composite object; faces before the first stand alone. Lines, points and free-form surfaces are skipped.
+[[nodiscard]] Scene read_obj(const SourceFile& file);
 /// PLY, ASCII or binary of both byte orders: elements `vertex` (x y z, nx ny nz) and `face`, made primitives by add_face; everything else is skipped.
 [[nodiscard]] Scene read_ply(const SourceFile& file);
 /// STL, ASCII or binary. The solids of an ASCII file are composite objects.

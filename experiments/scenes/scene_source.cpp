@@ -15,7 +15,10 @@ namespace raymeter {
 namespace {
 
 constexpr std::array kFormats{
+    SceneFormat{".glb", "glTF 2.0, binary", read_gltf},
+    SceneFormat{".gltf", "glTF 2.0, text, with data URIs or files beside it", read_gltf},
     SceneFormat{".nff", "Neutral File Format", read_nff},
+    SceneFormat{".obj", "Wavefront OBJ, with materials", read_obj},
     SceneFormat{".ply", "Polygon File Format, ASCII or binary", read_ply},
     SceneFormat{".stl", "Stereolithography, ASCII or binary", read_stl},
 };

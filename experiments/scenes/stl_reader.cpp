@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "experiments/in_quotes.h"
 #include "experiments/scenes/default_view.h"
 #include "experiments/scenes/scene_readers.h"
 #include "experiments/scenes/text_reader.h"

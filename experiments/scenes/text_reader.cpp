@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "experiments/in_quotes.h"
+
 namespace raymeter {
 
 namespace {
@@ -29,18 +31,6 @@ std::optional<double> parse_number(std::string_view token) {
   // from_chars does not tell too large from too small.
   if (failure == std::errc::result_out_of_range) return std::strtod(std::string(digits).c_str(), nullptr);
   return value;
-}
-
-std::string in_quotes(std::string_view token) {
-  constexpr std::size_t kShown = 40;
-  std::string text = "'";
-  for (const char c : token.substr(0, kShown)) {
-    if (c >= ' ' && c <= '~')
-      text += c;
-    else
-      text += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
-  }
-  return text + (token.size() > kShown ? "...'" : "'");
 }
 
 TextReader::TextReader(const SourceFile& file, char comment, std::size_t offset, int first_line) noexcept

@@ -12,9 +12,6 @@ namespace raymeter {
 /// The number that a whole token spells, "nan" and "inf" included; too large is infinite, too small is 0.
 [[nodiscard]] std::optional<double> parse_number(std::string_view token);
 
-/// A token for messages: in quotes, shortened, with unprintable bytes as \xNN.
-[[nodiscard]] std::string in_quotes(std::string_view token);
-
 /// Walks a text token by token (separated by whitespace; a backslash at a line's end counts as whitespace) and knows the line for messages.
 class TextReader {
 public:

@@ -54,9 +54,9 @@ TEST(Npy, SaysWhatIsWrong) {
   EXPECT_EQ(message(npy(good, 64, '\4')), "r.npy: .npy version 4, expected 1, 2 or 3");
   EXPECT_EQ(message(npy(good, 63)), "r.npy: truncated: 63 bytes of data, expected 2 rays of 32 bytes");
   EXPECT_EQ(message(npy(good, 65)), "r.npy: 1 bytes after the last ray, expected none");
-  EXPECT_EQ(message(npy("{'descr': '<f8', 'fortran_order': False, 'shape': (2, 8)}", 128)), "r.npy: dtype <f8, expected float32 ('<f4')");
-  EXPECT_EQ(message(npy("{'descr': [('t', '<f4')], 'fortran_order': False, 'shape': (2,)}", 8)), "r.npy: dtype [('t', '<f4')], expected float32 ('<f4')");
-  EXPECT_EQ(message(npy("{'descr': '<f4', 'fortran_order': False, 'shape': (16,)}", 64)), "r.npy: shape (16,), expected (N, 8): ox oy oz tmin dx dy dz tmax");
+  EXPECT_EQ(message(npy("{'descr': '<f8', 'fortran_order': False, 'shape': (2, 8)}", 128)), "r.npy: dtype '<f8', expected float32 ('<f4')");
+  EXPECT_EQ(message(npy("{'descr': [('t', '<f4')], 'fortran_order': False, 'shape': (2,)}", 8)), "r.npy: dtype '[('t', '<f4')]', expected float32 ('<f4')");
+  EXPECT_EQ(message(npy("{'descr': '<f4', 'fortran_order': False, 'shape': (16,)}", 64)), "r.npy: shape '(16,)', expected (N, 8): ox oy oz tmin dx dy dz tmax");
   EXPECT_EQ(message(npy("{'descr': '<f4', 'fortran_order': True, 'shape': (2, 8)}", 64)), "r.npy: Fortran order, expected C order");
   EXPECT_EQ(message(npy("{'descr': '<f4', 'shape': (2, 8)}", 64)), "r.npy: broken .npy header: expected the keys descr, fortran_order and shape at byte 33");
   EXPECT_EQ(message(npy("{'descr': '<f4', 'fortran_order': Maybe, 'shape': (2, 8)}", 64)), "r.npy: broken .npy header: expected True or False at byte 34");
