@@ -63,7 +63,8 @@ def drafts(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Draft]:
         counter_draft(
             "node_visits_per_ray", "Node visits per ray", "node_visits_per_ray", chosen, look_of,
             f"Interior nodes opened or cells stepped into per ray (N_TS of a grid; a tree's leaves come on top) at {where}. "
-            "This is the price paid for saving tests: read it beside the previous figure. A node of one structure may cost several times one of another; a technique without nodes has no mark.",
+            "This is the price paid for saving tests: read it beside the previous figure. "
+            "A node of one structure may cost several times one of another; a technique without nodes has no mark.",
         ),
         speed_draft(cells, chosen, look_of, where),
         scatter_draft(chosen, look_of, where),
