@@ -22,16 +22,16 @@ PAGE_WIDTH = 7.0  # inches, two columns of a paper
 INK = "#24292f"  # text, axes; in the page it follows the reader's colour scheme
 PAPER = "#fefefe"  # edges of markers that separate them from what lies below; also follows the scheme
 NEUTRAL_INK = "#787d84"  # equal contrast on white and on near-black
-# Okabe and Ito's palette, safe for colour-blind readers; the yellow is darkened to show on white.
+# After Okabe and Ito, safe for colour-blind readers; the light ones are darkened to 3:1 against white, and all keep 3:1 against near-black.
 STRUCTURE_COLOURS = {
     "list": "#8c8c8c",
     "bvh": "#0072b2",
     "grid": "#d55e00",
     "octree": "#009e73",
     "kdtree": "#cc79a7",
-    "bsp": "#e69f00",
-    "ray_classification": "#56b4e9",
-    "embree": "#b8a900",
+    "bsp": "#c28800",
+    "ray_classification": "#2f9bcf",
+    "embree": "#7a7200",
 }
 SPARE_COLOURS = ("#7b5ea7", "#8a5a3c", "#4d4d9f")
 MARKERS = "osD^vPX<>ph*"
