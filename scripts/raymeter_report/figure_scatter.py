@@ -22,6 +22,7 @@ LABEL_PLACES = (
     (4, 4, "left", "bottom"),
     (4, -4, "left", "top"),
 )
+Box = tuple[float, float, float, float]  # left, bottom, right, top in pixels
 MANY = 2000  # marks from which on they are stored as pixels
 GUIDES_NS = (0.1, 1.0, 10.0, 100.0, 1000.0)
 
@@ -88,10 +89,11 @@ def scatter_figure(points: Sequence[Point], kinds: Sequence[str], looks: dict[st
         axes.set_ylabel("time per ray [ns]")
     figure.draw_without_rendering()  # fixes the layout, which labels are placed in
     for axes, rays in zip(grid.flat, kinds):
-        draw_guides(axes)
         here = [point for point in points if point.rays == rays]
+        taken = [mark_box(axes, point) for point in here]
+        draw_guides(axes, taken)
         if len(here) <= CROWDED:
-            place_labels(axes, here)
+            name_scenes(axes, here, taken)
     return figure
 
 
@@ -102,50 +104,58 @@ def _log_limits(axes: Axes, axis: str, values: Sequence[float]) -> None:
     scale_axis(axes, axis, [low / missing / 1.3, high * missing * (1.8 if axis == "x" else 1.3)], ratio=0.0)
 
 
-def draw_guides(axes: Axes) -> None:
-    """Faint diagonals on which a primitive test costs 1, 10, ... ns, named where they leave the panel at the top or right."""
+def mark_box(axes: Axes, point: Point) -> Box:
+    """The place of a mark in pixels."""
+    x, y = axes.transData.transform((point.tests, point.nanoseconds))
+    half = 0.045 * axes.figure.dpi
+    return x - half, y - half, x + half, y + half
+
+
+def fits(axes: Axes, text: Text, taken: list[Box]) -> bool:
+    """Whether a text lies inside the panel and on nothing; if so its place is taken, else it is removed."""
+    x0, y0, x1, y1 = text.get_window_extent(axes.figure.canvas.get_renderer()).extents
+    frame = axes.get_window_extent()
+    inside = x0 >= frame.x0 and x1 <= frame.x1 and y0 >= frame.y0 and y1 <= frame.y1
+    if inside and not any(x0 < other[2] and other[0] < x1 and y0 < other[3] and other[1] < y1 for other in taken):
+        taken.append((x0, y0, x1, y1))
+        return True
+    text.remove()
+    return False
+
+
+def draw_guides(axes: Axes, taken: list[Box]) -> None:
+    """Faint diagonals on which a primitive test costs 1, 10, ... ns, named near their upper end where there is room."""
     (x_low, x_high), (y_low, y_high) = axes.get_xlim(), axes.get_ylim()
-    box = axes.get_window_extent()
-    angle = math.degrees(math.atan2(box.height / math.log(y_high / y_low), box.width / math.log(x_high / x_low)))
+    frame = axes.get_window_extent()
+    angle = math.degrees(math.atan2(frame.height / math.log(y_high / y_low), frame.width / math.log(x_high / x_low)))
     for cost in GUIDES_NS:
         axes.plot([x_low, x_high], [x_low * cost, x_high * cost], color=INK, alpha=0.35, linewidth=0.6, linestyle=(0, (1, 2)))
-        end = min(x_high, y_high / cost)
-        long_enough = end > x_low * (x_high / x_low) ** 0.25 and end * cost > y_low * (y_high / y_low) ** 0.25
-        if not long_enough:
-            continue  # the name would not fit beside the line
-        inside = (end / x_low) ** -0.04
-        x, name = end * inside, f"{axis_number(cost)} ns/test"
-        axes.text(x, x * cost, name, rotation=angle, rotation_mode="anchor", ha="right", va="bottom", fontsize=5.8, alpha=0.8, clip_on=True)
+        begin, end = max(x_low, y_low / cost), min(x_high, y_high / cost)
+        for place in (0.97, 0.85, 0.7, 0.55, 0.4) if end > begin else ():
+            x = begin * (end / begin) ** place
+            name = f"{axis_number(cost)} ns/test"
+            text = axes.text(x, x * cost, name, rotation=angle, rotation_mode="anchor", ha="right", va="bottom", fontsize=5.8, alpha=0.8)
+            if fits(axes, text, taken):
+                break
     axes.set_xlim(x_low, x_high)
     axes.set_ylim(y_low, y_high)
 
 
-def place_labels(axes: Axes, points: Sequence[Point]) -> None:
-    """Names the scene beside each point where there is room: tries places around the point, and leaves out what would overlap."""
-    figure = axes.figure
-    renderer = figure.canvas.get_renderer()
-    frame = axes.get_window_extent()
-    centres = [tuple(axes.transData.transform((point.tests, point.nanoseconds))) for point in points]
-    half = 0.045 * figure.dpi
-    taken = [(x - half, y - half, x + half, y + half) for x, y in centres]
-    taken += [tuple(text.get_window_extent(renderer).extents) for text in axes.texts]
+def name_scenes(axes: Axes, points: Sequence[Point], taken: list[Box]) -> None:
+    """Names the scene beside each mark where there is room, once where marks of one scene lie together."""
+    named: dict[str, list[Box]] = {}
+    near = 0.15 * axes.figure.dpi
     for point in sorted(points, key=lambda point: point.tests, reverse=True):
+        box = mark_box(axes, point)
+        if any(abs(box[0] - other[0]) < near and abs(box[1] - other[1]) < near for other in named.get(point.scene, [])):
+            continue
+        name = shortened(point.scene.removeprefix("spd:").removeprefix("gen:"), 16)
         for dx, dy, horizontal, vertical in LABEL_PLACES:
-            text: Text = axes.annotate(
-                shortened(point.scene.removeprefix("spd:").removeprefix("gen:"), 16),
-                (point.tests, point.nanoseconds),
-                (dx, dy),
-                textcoords="offset points",
-                ha=horizontal,
-                va=vertical,
-                fontsize=6,
-            )
-            box = text.get_window_extent(renderer).extents
-            inside = box[0] >= frame.x0 and box[2] <= frame.x1 and box[1] >= frame.y0 and box[3] <= frame.y1
-            if inside and not any(box[0] < other[2] and other[0] < box[2] and box[1] < other[3] and other[1] < box[3] for other in taken):
-                taken.append(tuple(box))
+            anchor = (point.tests, point.nanoseconds)
+            text = axes.annotate(name, anchor, (dx, dy), textcoords="offset points", ha=horizontal, va=vertical, fontsize=6)
+            if fits(axes, text, taken):
+                named.setdefault(point.scene, []).append(box)
                 break
-            text.remove()
 
 
 def run_order_figure(samples: Sequence[tuple[float, float, str]], looks: dict[str, Look]) -> Figure:
@@ -160,8 +170,11 @@ def run_order_figure(samples: Sequence[tuple[float, float, str]], looks: dict[st
         axes.plot(*zip(*own), linestyle="none", rasterized=pixels, **mark)
     axes.axhline(1.0, color=INK, linewidth=0.6)
     ratios = [relative for _, relative, _ in samples]
-    spread = max(max(ratios), 1 / max(min(ratios), 0.1), 1.1)
-    axes.set_ylim(1 - (1 - 1 / spread) * 1.1, 1 + (spread - 1) * 1.1)
+    spread = max(max(ratios), 1 / min(ratios), 1.1) ** 1.1
+    if spread > 1.8:
+        scale_axis(axes, "y", [1 / spread, spread], ratio=0.0)
+    else:
+        axes.set_ylim(2 - spread, spread)
     axes.set_xlabel("place in the run's order of samples")
     axes.set_ylabel("time / median of its cell")
     axes.grid(axis="y")

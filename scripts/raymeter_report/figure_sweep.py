@@ -88,7 +88,7 @@ def sweep_figure(data: Sweep, cells: Sequence[Cell], looks: dict[str, Look], axi
             shift = 0.05 * (i - (len(techniques) - 1) / 2)  # so that equal speed-ups stay visible
             for one in data.series.get((rays, label), {}).values():
                 points = [(place[value] + shift, speed) for value, speed in one.items()]
-                axes.plot(*zip(*points), linestyle="none", marker=look.marker, markersize=3, color=look.colour, alpha=0.35, markeredgewidth=0)
+                axes.plot(*zip(*points), linestyle="none", marker=look.marker, markersize=3, color=look.colour, alpha=0.5, markeredgewidth=0)
             mean = data.mean(rays, label)
             axes.plot([place[value] + shift for value in mean], list(mean.values()), color=look.colour, marker=look.marker, markersize=5, linewidth=1.4)
         axes.set_xlim(-0.3, len(place) - 0.7)

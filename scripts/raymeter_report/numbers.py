@@ -52,13 +52,14 @@ def grouped(value: float, decimals: int) -> str:
 
 
 def with_interval(median: float | None, low: float | None, high: float | None) -> tuple[str, str]:
-    """A median and its interval with as many decimals as the interval supports (two digits of its width)."""
+    """A median and its interval with as many decimals as the interval supports (two digits of its width), but three digits of the median."""
     if median is None:
         return "", ""
     if low is None or high is None or not (math.isfinite(low) and math.isfinite(high)) or high <= low:
         same = low is not None and low == high
         return significant(median, 4), f"[{significant(low, 4)}, {significant(high, 4)}]" if same else ""
-    decimals = min(6, 1 - math.floor(math.log10(high - low)))
+    decimals = 1 - math.floor(math.log10(high - low))
+    decimals = min(6, max(decimals, 2 - math.floor(math.log10(abs(median)))) if median else decimals)
     return grouped(median, decimals), f"[{grouped(low, decimals)}, {grouped(high, decimals)}]"
 
 

@@ -20,7 +20,7 @@ def best_table(cells: Sequence[Cell]) -> Table:
         Column("scene", number=False), Column("primitives"), Column("rays", number=False), Column("fastest", number=False),
         *(Column(SETTING_TITLES[name], number=name != "isa") for name in varying),
         Column("time per ray", "ns"), Column("95 % interval", "ns"), Column("speed", "Mrays/s"),
-        Column("next", number=False), Column("next is slower by", "×"),
+        Column("next", number=False), Column("its time", "×"),
         Column("intervals", number=False),
     ]
     rows = [best_row(one, varying) for one in best.values()]

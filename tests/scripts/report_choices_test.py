@@ -98,6 +98,9 @@ class Numbers(unittest.TestCase):
 
     def test_interval_sets_the_digits(self) -> None:
         self.assertEqual(numbers.with_interval(105.2345, 104.6123, 106.1), ("105.2", "[104.6, 106.1]"))
+        self.assertEqual(numbers.with_interval(96.77, 95.0, 550.4), ("96.8", "[95.0, 550.4]"))
+        thin = numbers.THIN_SPACE
+        self.assertEqual(numbers.with_interval(84860.0, 84247.0, 85636.0), (f"84{thin}900", f"[84{thin}200, 85{thin}600]"))
         self.assertEqual(numbers.with_interval(105.2345, None, None), ("105.2", ""))
         self.assertEqual(numbers.with_interval(None, 1.0, 2.0), ("", ""))
 
