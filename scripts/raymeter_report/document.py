@@ -13,7 +13,7 @@ from .glossary import GLOSSARY, SYMBOL_NOTE, Term
 from .records import Run
 from .table import Table, in_order
 from .tables import (
-    accuracy_table, best_table, builds_table, counters_table, problem_table, results_table, simd_table, skipped_table, technique_table,
+    accuracy_table, best_table, builds_table, counters_table, left_out_table, problem_table, results_table, simd_table, technique_table,
 )
 
 WIDE_INTERVAL = 0.05  # half width of a confidence interval, relative to the median, from which on a cell counts as noisy
@@ -37,7 +37,7 @@ class Report:
     verdict: list[Finding]
     best: Table
     problems: Table
-    skipped: Table
+    left_out: Table
     techniques: Table
     results: Table
     simd: Table | None
@@ -70,7 +70,7 @@ def make_report(runs: Sequence[Run], out: Path) -> Report:
         verdict=verdict(runs, cells),
         best=best_table(cells),
         problems=problem_table(cells, reasons),
-        skipped=skipped_table(cells, reasons),
+        left_out=left_out_table(cells, reasons),
         techniques=technique_table(cells),
         results=results_table(cells),
         simd=simd_table(cells),
@@ -122,6 +122,8 @@ def steadiness(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Finding]:
         findings.append(Finding("aside", f"{wide}: the machine was not quiet."))
     if without:
         findings.append(Finding("aside", f"{plural(len(without), 'cell')} of {len(timed)} without a confidence interval: too few samples."))
+    if cells and not timed:
+        findings.append(Finding("aside", "No times: this run took no timed samples."))
     doubts = list(dict.fromkeys(doubt for run in runs for doubt in doubts_of(run.environment)))
     if timed and doubts:
         findings.append(Finding("aside", f"Mind when comparing times: {', '.join(doubts)}."))

@@ -37,15 +37,16 @@ class Table:
     rows: Sequence[Sequence[Field]] = field(default_factory=list)
     groups: int = 0
 
-    def without_empty(self) -> "Table":
-        """The table without the columns in which nothing was measured; the caption names them."""
+    def without_empty(self, named: bool = True) -> "Table":
+        """The table without the columns in which nothing was measured; the caption names them if `named`."""
         filled = [any(row[i].text for row in self.rows) for i in range(len(self.columns))]
         if all(filled) or not self.rows:
             return self
         names = ", ".join(column.hint or column.title for column, keep in zip(self.columns, filled) if not keep)
         columns = [column for column, keep in zip(self.columns, filled) if keep]
         rows = [[one for one, keep in zip(row, filled) if keep] for row in self.rows]
-        return Table(self.name, f"{self.caption} Not measured in this run: {names}.", columns, rows, self.groups)
+        caption = f"{self.caption} Not measured in this run: {names}." if named else self.caption
+        return Table(self.name, caption, columns, rows, self.groups)
 
 
 SETTING_TITLES = {"isa": "ISA", "packet": "packet", "threads": "threads", "max_depth": "depth", "min_weight": "min. weight"}

@@ -46,8 +46,8 @@ def best_row(best: Best, varying: Sequence[str]) -> list[Field]:
 
 
 def results_table(cells: Sequence[Cell]) -> Table:
-    """Every cell of the run with its timing; skipped ones stand in a table of their own."""
-    cells = [cell for cell in cells if cell.state != "skipped"]
+    """Every cell that was measured, with its timing, and every one that failed; the others stand in `left_out_table`."""
+    cells = [cell for cell in cells if cell.state in ("ok", "failed") or cell.number("median_ns_per_ray") is not None]
     varying = varying_settings(cells)
     winners = {id(one.winner) for one in best_cells(cells).values()}
     columns = [
@@ -77,9 +77,9 @@ def results_table(cells: Sequence[Cell]) -> Table:
 
 
 def problem_table(cells: Sequence[Cell], reasons: dict[str, str]) -> Table:
-    """Cells without a timing: wrong hits, time-outs, errors, interrupted work."""
+    """Cells that failed: wrong hits, time-outs, errors."""
     rows = []
-    for cell in (cell for cell in cells if cell.state in ("failed", "unfinished")):
+    for cell in (cell for cell in cells if cell.state == "failed"):
         accuracy = cell.accuracy
         reason = reasons.get(str(cell.summary["cell_id"]), "")
         rows.append([
@@ -92,21 +92,22 @@ def problem_table(cells: Sequence[Cell], reasons: dict[str, str]) -> Table:
         *key_columns(SETTING[:3]), Column("status", number=False), Column("reason", number=False), Column("mismatches", "rays"), Column("false misses", "rays"),
         Column("false hits", "rays"), Column("wrong primitive", "rays"),
     ]
-    caption = "These cells have no complete timing: a technique with wrong answers has no speed, and an interrupted run leaves cells unfinished."
-    return Table("problems", caption, columns, rows).without_empty()
+    caption = "Wrong hits, a time-out or an error: these cells have no timing, for a technique with wrong answers has no speed."
+    return Table("problems", caption, columns, rows).without_empty(named=False)
 
 
-def skipped_table(cells: Sequence[Cell], reasons: dict[str, str]) -> Table:
-    """Skipped cells, counted by instruction set and reason."""
-    groups: dict[tuple[str, str], list[Cell]] = {}
-    for cell in (cell for cell in cells if cell.state == "skipped"):
-        groups.setdefault((str(cell.summary["isa"]), reasons.get(str(cell.summary["cell_id"]), "")), []).append(cell)
-    columns = [Column("ISA", number=False), Column("cells"), Column("techniques", number=False), Column("reason", number=False)]
-    rows = [
-        [Field(isa), number_field(float(len(group)), integer), Field(", ".join(dict.fromkeys(cell.label for cell in group))), Field(reason)]
-        for (isa, reason), group in groups.items()
-    ]
-    return Table("skipped", "Planned cells that this machine cannot run.", columns, rows).without_empty()
+def left_out_table(cells: Sequence[Cell], reasons: dict[str, str]) -> Table:
+    """Skipped and unfinished cells, counted by instruction set and reason."""
+    groups: dict[tuple[str, str, str], list[Cell]] = {}
+    for cell in (cell for cell in cells if cell.state in ("skipped", "unfinished")):
+        groups.setdefault((cell.state, str(cell.summary["isa"]), reasons.get(str(cell.summary["cell_id"]), "")), []).append(cell)
+    columns = [Column(title, number=title == "cells") for title in ("status", "ISA", "cells", "scenes", "techniques", "reason")]
+    rows = []
+    for (state, isa, reason), group in groups.items():
+        scenes, techniques = (", ".join(dict.fromkeys(names)) for names in ([cell.scene for cell in group], [cell.label for cell in group]))
+        rows.append([Field(state), Field(isa), number_field(float(len(group)), integer), Field(scenes), Field(techniques), Field(reason)])
+    caption = "Planned cells that were not measured: skipped where the machine cannot run them, unfinished where the run was interrupted."
+    return Table("left-out", caption, columns, rows).without_empty(named=False)
 
 
 def per_ray(counters: Record, event: str) -> float | None:

@@ -18,7 +18,7 @@ from raymeter_report import glossary, numbers, records
 from report_support import Page, TemporaryFolder, run_cli
 
 
-SECTIONS = "overview best problems skipped techniques results plots counters builds accuracy images reproduce configuration environment glossary".split()
+SECTIONS = "overview best problems left-out techniques results plots counters builds accuracy images reproduce configuration environment glossary".split()
 PLOTS = "tests_per_ray node_visits_per_ray mrays_per_s tests_vs_time build run_order".split()
 # A 1 x 1 PNG.
 PIXEL = bytes.fromhex(
@@ -115,7 +115,8 @@ class FullReport(unittest.TestCase):
         self.assertIn("4 wrong answers", self.html)
 
     def test_skipped_cells_are_counted_with_their_reason(self) -> None:
-        self.assertEqual(self.row("table-skipped", "avx512"), ["avx512", "36", "list, bvh, grid", "the CPU lacks avx512"])
+        row = self.row("table-left-out", "skipped", "avx512")
+        self.assertEqual(row[2:], ["36", "spd:tetra:6, spd:balls:4, spd:gears:4, gen:terrain:512", "list, bvh, grid", "the CPU lacks avx512"])
 
     def test_empty_stays_empty(self) -> None:
         # The synthetic builds have no SAH cost and the images no RMSE: the columns go, and the caption says so.
@@ -195,7 +196,9 @@ class PartialRuns(TemporaryFolder):
         path.write_text("\n".join(cut), encoding="utf-8")
         (self.folder / "manifest.json").write_text('{"name": "cut", "state": "interrupted", "cells": 18}', encoding="utf-8")
         self.assertEqual(run_cli(self.folder)[0], 0)
-        self.assertIn("Incomplete: 16 of 18 planned cells", (self.folder / "report.html").read_text(encoding="utf-8"))
+        page = (self.folder / "report.html").read_text(encoding="utf-8")
+        self.assertIn("Incomplete: 16 of 18 planned cells", page)
+        self.assertEqual([row[:2] for row in Page(page).tables["table-left-out"] if row], [["skipped", "avx512"], ["unfinished", "avx2"]])
 
     def test_infinite_and_undefined_numbers(self) -> None:
         synthetic_run.write_run(self.folder, scenes=["spd:tetra:6"])
