@@ -10,6 +10,7 @@ from typing import Any
 from .cells import Cell, best_cells, load_cells, rays_of, scenes_of, techniques_of
 from .figures import Plot, write_plots
 from .glossary import GLOSSARY, SYMBOL_NOTE, Term
+from .pictures import Picture, pictures_of
 from .records import Run
 from .table import Table, in_order
 from .tables import (
@@ -45,7 +46,7 @@ class Report:
     builds: Table
     accuracy: Table
     plots: list[Plot]
-    pictures: list[Path]
+    pictures: list[Picture]
     environment: list[tuple[str, list[str]]]
     configuration: str
     commands: list[str]
@@ -78,7 +79,7 @@ def make_report(runs: Sequence[Run], out: Path) -> Report:
         builds=builds_table(cells),
         accuracy=accuracy_table(cells),
         plots=write_plots(runs, cells, out / "plots"),
-        pictures=[picture for run in runs for picture in run.images],
+        pictures=[picture for run in runs for picture in pictures_of(run)],
         environment=environment_rows(runs),
         configuration=configuration_text(runs),
         commands=commands(runs),

@@ -27,7 +27,7 @@ def markdown(report: Report, out: Path) -> str:
     parts += block(report.counters, "## Counters") + block(report.builds, "## Builds") + block(report.accuracy, "## Accuracy")
     if report.pictures:
         parts.append("## Images and heat maps")
-        parts += [f"![{path.stem}]({link(path, out)})\n\n{escape(path.stem)}" for path in report.pictures]
+        parts += [f"![{escape(one.title)}]({link(one.path, out)})\n\n{escape(one.title)}. {escape(one.caption)}" for one in report.pictures]
     parts += ["## Reproduce", "```\n" + "\n".join(report.commands) + "\n```"]
     if report.configuration:
         parts += ["### Configuration", "```json\n" + report.configuration + "\n```"]

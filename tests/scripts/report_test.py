@@ -2,6 +2,7 @@
 """Tests of scripts/report.py on synthetic results folders: whole reports, partial runs, bad folders."""
 
 import csv
+import json
 import re
 import shutil
 import sys
@@ -36,6 +37,9 @@ class FullReport(unittest.TestCase):
         cls.data = synthetic_run.write_run(cls.folder)
         (cls.folder / "images").mkdir()
         (cls.folder / "images" / "balls <nodes>.png").write_bytes(PIXEL)
+        (cls.folder / "images" / "tetra.png").write_bytes(PIXEL)
+        stats = {"scene": "spd:tetra:6", "structure": "grid", "width": 1, "height": 1, "heatmap": {"event": "node_visits", "most": 12345, "mean": 3.14159}}
+        (cls.folder / "images" / "tetra.json").write_text(json.dumps(stats), encoding="utf-8")
         cls.code, cls.printed, cls.complaints = run_cli(cls.folder)
         cls.html = (cls.folder / "report.html").read_text(encoding="utf-8")
         cls.markdown = (cls.folder / "report.md").read_text(encoding="utf-8")
@@ -77,6 +81,9 @@ class FullReport(unittest.TestCase):
         self.assertEqual(self.html.count("<svg"), len(PLOTS))
         self.assertIn("data:image/png;base64,iVBORw0KGgo", self.html)
         self.assertIn("balls &lt;nodes&gt;", self.html)
+        heat = f"Node visits of each eye ray, from 0 (dark blue) to 12{numbers.THIN_SPACE}345 (yellow), mean 3.14: grid, 1 × 1 pixels."
+        self.assertIn(f"<strong>spd:tetra:6</strong> {heat}", self.html)
+        self.assertIn(heat, self.markdown)
 
     def test_overview_names_machine_and_doubts(self) -> None:
         self.assertIn("Example CPU · host testbench · commit 1a2b3c4 · begun 20261122T170000Z", self.html)
