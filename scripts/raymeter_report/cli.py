@@ -44,15 +44,15 @@ def main(argv: Sequence[str]) -> int:
         out = arguments.out or (runs[0].folder if len(runs) == 1 else runs[0].folder / "combined")
         out.mkdir(parents=True, exist_ok=True)
         report = make_report(runs, out)
-        for path, text in ((out / "report.md", markdown(report, out)), (out / "report.html", html(report, out))):
-            path.write_text(text, encoding="utf-8")
+        (out / "report.md").write_text(markdown(report, out), encoding="utf-8")
+        (out / "report.html").write_text(html(report, out), encoding="utf-8")
+        for path in (out / "report.md", out / "report.html", *(file for plot in report.plots for file in plot.files)):
             print(path)
-        for plot in report.plots:
-            for path in plot.files:
-                print(path)
     except ReportError as error:
         print(error, file=sys.stderr)
         return 2
+    except BrokenPipeError:
+        sys.stdout = None  # whoever reads the paths has read enough, and all files are written
     except OSError as error:
         print(error, file=sys.stderr)
         return 1
