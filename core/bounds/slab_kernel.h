@@ -39,6 +39,28 @@ inline SlabInterval<L> line_in_box(const RayPacket<L>& ray, const float* box) no
   return {L::mul_add(t_near, Float(1.0f - kSlabPadding), -ray.slab_slack), L::mul_add(t_far, Float(1.0f + kSlabPadding), ray.slab_slack)};
 }
 
+/// Where the line is inside a primitive's own box, for kernels that clamp t to it; t may have either sign. low and high: the box minus the origin.
+template <class L>
+inline SlabInterval<L> line_in_own_box(const RayPacket<L>& ray, const typename L::Float (&low)[3], const typename L::Float (&high)[3]) noexcept {
+  using Float = typename L::Float;
+  Float t_near(-kInfinity), t_far(kInfinity);
+  for (int a = 0; a < 3; ++a) {
+    t_near = L::max(L::select(ray.negative[a], high[a], low[a]) * ray.inv_dir[a], t_near);
+    t_far = L::min(L::select(ray.negative[a], low[a], high[a]) * ray.inv_dir[a], t_far);
+  }
+  const Float padding(kOwnSlabPadding);
+  return {L::neg_mul_add(padding, L::abs(t_near), t_near), L::mul_add(padding, L::abs(t_far), t_far)};
+}
+
+/// The same for box i of columns that hold own_box().
+template <class L>
+inline SlabInterval<L> line_in_own_box(const RayPacket<L>& ray, const float* const* box_min, const float* const* box_max, std::int32_t i) noexcept {
+  using Float = typename L::Float;
+  const Float low[3] = {Float(box_min[0][i]) - ray.org[0], Float(box_min[1][i]) - ray.org[1], Float(box_min[2][i]) - ray.org[2]};
+  const Float high[3] = {Float(box_max[0][i]) - ray.org[0], Float(box_max[1][i]) - ray.org[1], Float(box_max[2][i]) - ray.org[2]};
+  return line_in_own_box<L>(ray, low, high);
+}
+
 /// The interval clipped to [t_min, t_end]: rays meet the box where t_near <= t_far.
 template <class L, bool kUniform = false>
 inline SlabInterval<L> intersect_box(const RayPacket<L>& ray, typename L::Float t_end, const float* box) noexcept {

@@ -1,12 +1,15 @@
 #pragma once
 
-// Ray against an open cone or cylinder (NFF's `c`: no caps), seen from both sides. The quadratic is set up at the ray's closest approach to the axis, found in
-// two steps: to the middle of the axis, so that coordinates have the cone's own scale whatever the distance of the eye, then to its line, so that the roots lie
-// on either side at the scale of the radius there (a discriminant taken further away cancels: near a thin apex by length^2 / radius).
-// The smaller root comes from the product of the roots.
+// Ray against an open cone or cylinder (NFF's `c`: no caps), seen from both sides. The quadratic is set up where the ray is nearest to the axis between the
+// cone's ends: whatever the distance of the eye and however slender the cone, everything there has the size of its radius. The smaller root comes from the
+// product of the roots.
 //
-// Error: as for the sphere, P lies within about 8 roundings of (|P - org| + cone size) of the cone. Boundary band: that distance around silhouette and rims.
+// Error: the reference point is off by 3 roundings of |P - org| + size, its parts across the axis by 3 of the size, the direction's by 2 of |dir|; over the way
+// to the hit, which is inside the cone, the coefficients' errors add up to 25 roundings of the size, t adds 2 of |P - org|: together within kSurfaceError.
+// t is clamped to the ray's interval in the cone's own box, so that P keeps kPrimitiveError. Boundary band: kSurfaceError around silhouette, rims and apex.
+// A ray that lies in the surface misses, and so does every ray where the axis is zero.
 
+#include "core/bounds/slab_kernel.h"
 #include "core/ray/ray_packet.h"
 #include "core/scene/pools_view.h"
 
@@ -17,8 +20,12 @@ inline SurfaceHit<L> intersect_cone(const RayPacket<L>& ray, const HitPacket<L>&
   using Float = typename L::Float;
   using Mask = typename L::Mask;
   const Float zero(0.0f), one(1.0f);
-  const auto dot = [](const Float* p, const Float* q) noexcept { return L::mul_add(p[2], q[2], L::mul_add(p[1], q[1], p[0] * q[0])); };
+  const SlabInterval<L> in_box = line_in_own_box<L>(ray, pool.box_min, pool.box_max, i);
+  SurfaceHit<L> hit;
+  hit.meets = L::max(in_box.t_near, ray.t_min) <= L::min(in_box.t_far, nearest.t);
+  if (L::none(hit.meets)) return hit;
 
+  const auto dot = [](const Float* p, const Float* q) noexcept { return L::mul_add(p[2], q[2], L::mul_add(p[1], q[1], p[0] * q[0])); };
   const Float radius(pool.radius[0][i]);
   const Float taper(pool.radius[1][i] - pool.radius[0][i]);
   Float axis[3], from_base[3], from_middle[3];
@@ -27,24 +34,29 @@ inline SurfaceHit<L> intersect_cone(const RayPacket<L>& ray, const HitPacket<L>&
     from_base[a] = ray.org[a] - Float(pool.base[a][i]);
     from_middle[a] = L::neg_mul_add(Float(0.5f), axis[a], from_base[a]);
   }
-  const Float to_middle = -dot(from_middle, ray.dir) * ray.inv_length2;
   const Float inv_axis2 = one / dot(axis, axis);
+  const Float climb = dot(ray.dir, axis) * inv_axis2;  // change of height per unit of t
+  Float v[3], w[3];                                    // across the axis: direction, and the point at t
+  for (int a = 0; a < 3; ++a) v[a] = L::neg_mul_add(climb, axis[a], ray.dir[a]);
+  /// Height of the point at t, 0 at the base, 1 at the apex; leaves its part across the axis in w.
+  const auto height_at = [&](Float t) noexcept {
+    Float p[3];
+    for (int a = 0; a < 3; ++a) p[a] = L::mul_add(t, ray.dir[a], from_base[a]);
+    const Float height = dot(p, axis) * inv_axis2;
+    for (int a = 0; a < 3; ++a) w[a] = L::neg_mul_add(height, axis[a], p[a]);
+    return height;
+  };
+  const auto in_cone = [&](Float y) noexcept -> Mask { return (y >= zero) & (y <= one); };
 
-  Float p[3];  // the closest approach to the middle, seen from the base
-  for (int a = 0; a < 3; ++a) p[a] = L::mul_add(to_middle, ray.dir[a], from_base[a]);
-  const Float height_there = dot(p, axis) * inv_axis2;  // 0 at the base, 1 at the apex
-  const Float climb = dot(ray.dir, axis) * inv_axis2;   // its change per unit of t
-  Float w[3], v[3];                                     // off the axis, and its change per unit of t
-  for (int a = 0; a < 3; ++a) {
-    w[a] = L::neg_mul_add(height_there, axis[a], p[a]);
-    v[a] = L::neg_mul_add(climb, axis[a], ray.dir[a]);
-  }
-  const Float to_line = -dot(w, v) / dot(v, v);
-  // Not further than the axis is long: of rays nearly along it (0 / 0 where exactly so) the closest approach is elsewhere, and the roots are far apart.
-  const Float shift = L::select(L::abs(to_line * climb) <= one, to_line, zero);
-  const Float closest = to_middle + shift;
-  const Float height = L::mul_add(shift, climb, height_there);
-  for (int a = 0; a < 3; ++a) w[a] = L::mul_add(shift, v[a], w[a]);
+  // From the closest approach to the middle on to that to the axis, but not beyond the cone's ends.
+  const Float near_middle = -dot(from_middle, ray.dir) * ray.inv_length2;
+  const Float middle_height = height_at(near_middle);
+  const Float to_axis = -dot(w, v) / dot(v, v);
+  const Float axis_height = L::mul_add(to_axis, climb, middle_height);
+  const Float to_end = (L::min(L::max(axis_height, zero), one) - middle_height) / climb;
+  const Float reference = near_middle + L::select(in_cone(axis_height), to_axis, to_end);
+
+  const Float height = height_at(reference);
   const Float radius_here = L::mul_add(taper, height, radius);
   const Float narrowing = taper * climb;
   const Float quadratic = L::neg_mul_add(narrowing, narrowing, dot(v, v));
@@ -52,25 +64,19 @@ inline SurfaceHit<L> intersect_cone(const RayPacket<L>& ray, const HitPacket<L>&
   const Float off_axis = L::sqrt(dot(w, w));
   const Float constant = (off_axis - radius_here) * (off_axis + radius_here);
   const Float discriminant = L::difference_of_products(linear, linear, quadratic, constant);
-  SurfaceHit<L> hit;
-  hit.meets = discriminant >= zero;
+  hit.meets = hit.meets & (discriminant >= zero);
   if (L::none(hit.meets)) return hit;
 
   const Float root = L::sqrt(L::max(discriminant, zero));
   const Float q = -(linear + L::select(linear < zero, -root, root));
   const Float s1 = q / quadratic;
   const Float s2 = constant / q;
-  const auto on_cone = [&](Float s) noexcept -> Mask {
-    const Float y = L::mul_add(s, climb, height);
-    return (y >= zero) & (y <= one);
-  };
-  const auto in_ray = [&](Float t) noexcept -> Mask { return (t >= ray.t_min) & (t <= nearest.t); };
-  const Float t1 = closest + s1;
-  const Float t2 = closest + s2;
-  const Mask first = on_cone(s1) & in_ray(t1);
-  const Mask second = on_cone(s2) & in_ray(t2);
+  const Float t1 = reference + s1;
+  const Float t2 = reference + s2;
+  const Mask first = in_cone(L::mul_add(s1, climb, height)) & (t1 >= ray.t_min);
+  const Mask second = in_cone(L::mul_add(s2, climb, height)) & (t2 >= ray.t_min);
   hit.meets = hit.meets & (first | second);
-  hit.t = L::select(first & (~second | (t1 < t2)), t1, t2);
+  hit.t = L::min(L::max(L::select(first & (~second | (t1 < t2)), t1, t2), in_box.t_near), in_box.t_far);
   hit.u = zero;
   hit.v = zero;
   return hit;

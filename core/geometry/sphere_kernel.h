@@ -3,16 +3,20 @@
 // Ray against sphere, without cancellation near, far and huge: Haines, Guenther, Akenine-Moeller 2019 (Ray Tracing Gems, ch. 7). The discriminant comes from
 // the vector that is perpendicular to the ray at its closest approach; the nearer root is c / q, c in the factored form (|f| - r)(|f| + r), good for huge radii.
 //
-// Error: an error along the ray of the closest approach changes the perpendicular only in second order, so P lies within about 6 roundings of
-// (|P - org| + r) of the sphere. Boundary band: rays that pass within that of the silhouette.
+// Error: an error along the ray of the closest approach (10 roundings of |f| at most) changes the perpendicular only in second order. What remains across the
+// ray is the rounding of f, of the perpendicular and of r^2: 3 roundings of |f| + r. Along the ray, t adds 10 for the far root, and the product of the roots
+// 4 (|f| + r) more for the near one; at grazing incidence the latter is large along the ray but not away from the sphere. Together less than kSurfaceError.
+// A far small sphere seen at its silhouette could be met beside its box by the second-order term: t is clamped to the ray's interval in the box, and a ray that
+// passes beside it misses. Boundary band: rays that pass within kSurfaceError of the silhouette. |dir| must be in 2^-63..2^63, else its square leaves the range.
 
+#include "core/bounds/slab_kernel.h"
 #include "core/ray/ray_packet.h"
 #include "core/scene/pools_view.h"
 
 namespace raymeter {
 
 template <class L>
-inline SurfaceHit<L> intersect_sphere(const RayPacket<L>& ray, const HitPacket<L>& nearest, const SphereView& pool, std::int32_t i) noexcept {
+inline SurfaceHit<L> intersect_sphere(const RayPacket<L>& ray, const SphereView& pool, std::int32_t i) noexcept {
   using Float = typename L::Float;
   const Float zero(0.0f);
   const Float radius(pool.radius[i]);
@@ -34,8 +38,12 @@ inline SurfaceHit<L> intersect_sphere(const RayPacket<L>& ray, const HitPacket<L
   const Float near_root = L::select(far_root == zero, zero, product / far_root);
   const Float t_enter = L::min(near_root, far_root);
   const Float t_exit = L::max(near_root, far_root);
-  const auto enters = (t_enter >= ray.t_min) & (t_enter <= nearest.t);
-  hit.t = L::select(enters, t_enter, t_exit);
+  const Float box_radius = radius * Float(1 + 2 * kOwnBoxPadding);
+  const Float low[3] = {-f[0] - box_radius, -f[1] - box_radius, -f[2] - box_radius};
+  const Float high[3] = {box_radius - f[0], box_radius - f[1], box_radius - f[2]};
+  const SlabInterval<L> in_box = line_in_own_box<L>(ray, low, high);
+  hit.meets = hit.meets & (in_box.t_near <= in_box.t_far);
+  hit.t = L::min(L::max(L::select(t_enter >= ray.t_min, t_enter, t_exit), in_box.t_near), in_box.t_far);
   hit.u = zero;
   hit.v = zero;
   return hit;

@@ -4,8 +4,10 @@
 // (FMA, or double where the instruction set has none), so that no edge needs a second look. Two-sided; zero area and coplanar rays miss (det = 0).
 // The vertices in ray space are a function of ray and vertex alone: triangles that share an edge see the same numbers and decide alike.
 //
-// Error: the ray that is decided on passes within 3 roundings of the given one at each vertex; t is a convex combination of the vertices' depths with all
-// terms of one sign, 6 roundings at most, of the largest |z'|. Both are inside kPrimitiveError. Boundary band: 3 roundings of the vertex distances.
+// Error, u = kUnitRoundoff, A = vertex - org, S the shear: a vertex is seen across the ray within u (2 |A_p| + 4 |S A_z|) per axis p (one less with FMA); that
+// is below kSeenVertexError |A|, the boundary band. With the weights w that are decided on, Q = sum w V is a point of the triangle, and the ray passes Q within
+// the weighted mean of these. The terms of t have one sign but for vertices behind the origin: t is within 10 u sum w |z'| + 3 u (spread of z') of Q's depth.
+// With sum w |A_p| <= |P - org|_p + extent / 2, P is outside the box by at most 16 u |P - org|_p + 16 u extent: kPrimitiveError.
 // Products below 2^-126 are not supported: triangles seen at a scale below 1e-18 may be missed.
 
 #include "core/ray/ray_packet.h"

@@ -41,6 +41,8 @@ PoolsView Pools::view() const noexcept {
   assign(view.cones.base, cones.base);
   assign(view.cones.axis, cones.axis);
   for (std::size_t k = 0; k < 2; ++k) view.cones.radius[k] = cones.radius[k].data();
+  assign(view.cones.box_min, cones.box_min);
+  assign(view.cones.box_max, cones.box_max);
   view.cones.prim = cones.prim.data();
   return view;
 }
@@ -62,7 +64,8 @@ std::size_t Pools::mem_bytes() const noexcept {
   sum += triangles.prim.bytes() + triangles.normal_index.bytes();
   sum += bytes(polygons.vertex) + polygons.first_vertex.bytes() + bytes(polygons.normal) + bytes(polygons.box_min) + bytes(polygons.box_max) +
          polygons.prim.bytes();
-  sum += bytes(cones.base) + bytes(cones.axis) + cones.radius[0].bytes() + cones.radius[1].bytes() + cones.prim.bytes();
+  sum += bytes(cones.base) + bytes(cones.axis) + cones.radius[0].bytes() + cones.radius[1].bytes() + bytes(cones.box_min) + bytes(cones.box_max) +
+         cones.prim.bytes();
   return sum;
 }
 
@@ -86,8 +89,7 @@ Pools reordered(const Pools& pools, std::span<const PrimRef> order) {
   if (of(PrimKind::polygon) > 0) out.polygons.first_vertex.resize(of(PrimKind::polygon) + 1);
   for (FloatColumns3* columns : {&out.polygons.normal, &out.polygons.box_min, &out.polygons.box_max}) resize3(*columns, of(PrimKind::polygon));
   out.polygons.prim.resize(of(PrimKind::polygon));
-  resize3(out.cones.base, of(PrimKind::cone));
-  resize3(out.cones.axis, of(PrimKind::cone));
+  for (FloatColumns3* columns : {&out.cones.base, &out.cones.axis, &out.cones.box_min, &out.cones.box_max}) resize3(*columns, of(PrimKind::cone));
   for (Column<float>& radius : out.cones.radius) radius.resize(of(PrimKind::cone));
   out.cones.prim.resize(of(PrimKind::cone));
 
@@ -120,6 +122,8 @@ Pools reordered(const Pools& pools, std::span<const PrimRef> order) {
         copy3(pools.cones.base, i, out.cones.base, j);
         copy3(pools.cones.axis, i, out.cones.axis, j);
         for (std::size_t k = 0; k < 2; ++k) out.cones.radius[k][j] = pools.cones.radius[k][i];
+        copy3(pools.cones.box_min, i, out.cones.box_min, j);
+        copy3(pools.cones.box_max, i, out.cones.box_max, j);
         out.cones.prim[j] = pools.cones.prim[i];
         break;
     }

@@ -32,6 +32,8 @@ struct ConeView {
   const float* base[3];
   const float* axis[3];
   const float* radius[2];
+  const float* box_min[3];
+  const float* box_max[3];
   const std::int32_t* prim;
 };
 

@@ -120,7 +120,7 @@ void Scene::add_polygon(std::span<const glm::dvec3> vertices) {
     box.grow(glm::vec3(p));
     push(pool.vertex, p);
   }
-  box = padded(box);
+  box = own_box(box);
   const double largest = std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)});
   if (largest > 0) normal /= largest;  // only its direction matters; its length could underflow
   push(pool.normal, normal);
@@ -140,6 +140,9 @@ void Scene::add_cone(const glm::dvec3& base, double base_radius, const glm::dvec
   push(pool.axis, axis);
   pool.radius[0].push_back(static_cast<float>(base_radius));
   pool.radius[1].push_back(static_cast<float>(apex_radius));
+  const Aabb box = own_box(tight_bounds(pools_, prim_ref(PrimKind::cone, pool.size() - 1)));
+  push(pool.box_min, glm::dvec3(box.min));
+  push(pool.box_max, glm::dvec3(box.max));
   add_prim(PrimKind::cone, pool.size() - 1);
 }
 
@@ -178,8 +181,7 @@ void Scene::reserve(PrimKind kind, std::size_t count) {
       pools_.polygons.prim.reserve(count);
       break;
     case PrimKind::cone:
-      reserve3(pools_.cones.base, count);
-      reserve3(pools_.cones.axis, count);
+      for (FloatColumns3* columns : {&pools_.cones.base, &pools_.cones.axis, &pools_.cones.box_min, &pools_.cones.box_max}) reserve3(*columns, count);
       for (Column<float>& radius : pools_.cones.radius) radius.reserve(count);
       pools_.cones.prim.reserve(count);
       break;
@@ -204,8 +206,7 @@ void Scene::finish() {
   polygons.first_vertex.shrink_to_fit();
   polygons.prim.shrink_to_fit();
   ConePool& cones = pools_.cones;
-  shrink3(cones.base);
-  shrink3(cones.axis);
+  for (FloatColumns3* columns : {&cones.base, &cones.axis, &cones.box_min, &cones.box_max}) shrink3(*columns);
   for (Column<float>& radius : cones.radius) radius.shrink_to_fit();
   cones.prim.shrink_to_fit();
   prims_.shrink_to_fit();

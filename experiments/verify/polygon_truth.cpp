@@ -1,0 +1,100 @@
+#include "experiments/verify/polygon_truth.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+namespace raymeter::verify {
+
+namespace {
+
+/// Whether the line passes through the outline; exact.
+template <class N>
+bool passes_through(const NumberRay<N>& ray, const PolygonShape& polygon) {
+  std::size_t major = 0;
+  while (sign(ray.dir[major]) == 0) ++major;
+  const std::size_t p = (major + 1) % 3, q = (major + 2) % 3;
+  struct Seen {
+    N x, y;
+  };
+  const auto see = [&](const std::array<float, 3>& vertex) {
+    const float position[3] = {vertex[0], vertex[1], vertex[2]};
+    const Vec<N> to = vec<N>(position) - ray.org;
+    return Seen{N(to[p] * ray.dir[major] - to[major] * ray.dir[p]), N(to[q] * ray.dir[major] - to[major] * ray.dir[q])};
+  };
+  bool odd = false, on_outline = false, edge_on = true;
+  Seen a = see(polygon.vertex.back());
+  for (const auto& vertex : polygon.vertex) {
+    Seen b = see(vertex);
+    const int side = sign(N(a.x * b.y - a.y * b.x));
+    edge_on = edge_on && side == 0;
+    const int ay = sign(a.y), by = sign(b.y);
+    if ((ay <= 0) != (by <= 0) && side == (by > 0 ? 1 : -1)) odd = !odd;
+    if (side == 0 && ay * by <= 0 && sign(a.x) * sign(b.x) <= 0) on_outline = true;
+    a = std::move(b);
+  }
+  return !edge_on && (odd || on_outline);
+}
+
+/// t of the plane, moved into the bounding box where it is outside; empty where the line is parallel to the plane: then the box alone decides.
+template <class N>
+N plane_in_box(const NumberRay<N>& ray, const PolygonShape& polygon) {
+  const float first[3] = {polygon.vertex[0][0], polygon.vertex[0][1], polygon.vertex[0][2]};
+  const Vec<N> normal = vec<N>(polygon.normal);
+  const N slope = dot(normal, ray.dir), height = dot(normal, vec<N>(first) - ray.org);
+  std::optional<N> near, far;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (sign(ray.dir[a]) == 0) continue;
+    const auto [low, high] = std::minmax_element(polygon.vertex.begin(), polygon.vertex.end(), [a](const auto& v, const auto& w) { return v[a] < w[a]; });
+    const N t0 = (N(double{(*low)[a]}) - ray.org[a]) / ray.dir[a], t1 = (N(double{(*high)[a]}) - ray.org[a]) / ray.dir[a];
+    const N enter = smaller(t0, t1), leave = larger(t0, t1);
+    near = near ? larger(*near, enter) : enter;
+    far = far ? smaller(*far, leave) : leave;
+  }
+  if (sign(slope) == 0) return *near;
+  return smaller(larger(N(height / slope), *near), *far);
+}
+
+}  // namespace
+
+PolygonShape polygon_at(const Pools& pools, std::size_t i) {
+  const PolygonPool& pool = pools.polygons;
+  PolygonShape shape{{}, {pool.normal[0][i], pool.normal[1][i], pool.normal[2][i]}};
+  for (auto k = static_cast<std::size_t>(pool.first_vertex[i]); k < static_cast<std::size_t>(pool.first_vertex[i + 1]); ++k) {
+    shape.vertex.push_back({pool.vertex[0][k], pool.vertex[1][k], pool.vertex[2][k]});
+  }
+  return shape;
+}
+
+TrueHits true_hits(const Ray& ray, const PolygonShape& polygon, Arithmetic arithmetic) {
+  return decide(arithmetic, [&]<class N>() {
+    TrueHits hits;
+    const NumberRay<N> r(ray);
+    if (!passes_through(r, polygon)) return hits;
+    const N t = plane_in_box(r, polygon);
+    if (r.contains(t, N(1.0))) hits.add(sign(t) == 0 ? 0.0 : to_double(t));
+    return hits;
+  });
+}
+
+double distance(const PolygonShape& polygon, const Point& org, const Point& dir, double t) noexcept {
+  const Point normal = point(polygon.normal);
+  const auto& first = polygon.vertex[0];
+  const double normal_length = length(normal), dir_length = length(dir);
+  const double height = dot(normal, minus({double{first[0]}, double{first[1]}, double{first[2]}}, org)), slope = dot(normal, dir);
+  double near = -std::numeric_limits<double>::infinity(), far = -near;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (dir[a] == 0) continue;
+    const auto [low, high] = std::minmax_element(polygon.vertex.begin(), polygon.vertex.end(), [a](const auto& v, const auto& w) { return v[a] < w[a]; });
+    const double t0 = (double{(*low)[a]} - org[a]) / dir[a], t1 = (double{(*high)[a]} - org[a]) / dir[a];
+    near = std::max(near, std::min(t0, t1));
+    far = std::min(far, std::max(t0, t1));
+  }
+  if (near > far) std::swap(near, far);  // a ray in the band, just beside the box
+  const double plane = std::abs(height - slope * t) / normal_length;
+  const double meant = slope != 0 ? std::clamp(height / slope, near, far) : near;
+  const double outside = std::max({near - t, t - far, 0.0});
+  return std::max(std::min(plane, std::abs(t - meant) * dir_length), outside * dir_length);
+}
+
+}  // namespace raymeter::verify
