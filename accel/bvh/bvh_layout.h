@@ -30,9 +30,9 @@ struct BvhView {
   std::int32_t stack_capacity;
 };
 
-/// Bytes of traversal stack: per entry the entry distances of a packet, a sort key and a link.
+/// Bytes of traversal stack: per entry the entry distances of a packet, a sort key, a link and a row.
 [[nodiscard]] constexpr std::size_t bvh_stack_bytes(std::int32_t capacity) noexcept {
-  return static_cast<std::size_t>(capacity) * ((kMaxPacket + 1) * sizeof(float) + sizeof(std::int32_t));
+  return static_cast<std::size_t>(capacity) * ((kMaxPacket + 1) * sizeof(float) + 2 * sizeof(std::int32_t));
 }
 
 }  // namespace raymeter

@@ -16,106 +16,113 @@ namespace raymeter {
 
 namespace {
 
+/// The entry distance of a lane that misses: not below anything.
+inline constexpr float kMissed = __builtin_nanf("");
+
+/// Entries of the traversal stack. An entry's distances stand in a row of their own, [group][lane]; entries change places without moving rows: `row` is a
+/// permutation of all rows, of which those at `size` and above are free.
 template <class L, int kGroups>
 struct Stack {
-  float* near_column;  // [entry][group][lane]
-  float* key;          // [entry]: the entry distance of one lane, to order siblings by
-  std::int32_t* link;  // [entry]
-  std::int32_t group_count;
+  float* distances;
+  float* key;          // the entry distance of one lane, to order siblings by
+  std::int32_t* link;
+  std::int32_t* row;
+  std::int32_t row_floats;
   std::int32_t size = 0;
 
-  Stack(const TraceArgs& args, std::int32_t capacity, std::int32_t groups) noexcept
-      : near_column(reinterpret_cast<float*>(args.scratch)),
-        key(near_column + static_cast<std::int64_t>(capacity) * kMaxPacket),
+  Stack(std::byte* scratch, std::int32_t capacity, std::int32_t groups) noexcept
+      : distances(reinterpret_cast<float*>(scratch)),
+        key(distances + static_cast<std::int64_t>(capacity) * kMaxPacket),
         link(reinterpret_cast<std::int32_t*>(key + capacity)),
-        group_count(groups) {}
-  [[nodiscard]] float* near_of(std::int32_t entry, int group) const noexcept {
-    const int groups = kGroups > 0 ? kGroups : group_count;
-    return near_column + (static_cast<std::int64_t>(entry) * groups + group) * L::kWidth;
+        row(link + capacity),
+        row_floats(groups * L::kWidth) {
+    for (std::int32_t e = 0; e < capacity; ++e) row[e] = e;
+  }
+  [[nodiscard]] float* distances_of(std::int32_t entry) const noexcept {
+    return distances + static_cast<std::int64_t>(row[entry]) * (kGroups > 0 ? kGroups * L::kWidth : row_floats);
+  }
+  void swap(std::int32_t e, std::int32_t f) noexcept {
+    const auto exchange = [](auto& a, auto& b) noexcept {
+      const auto c = a;
+      a = b;
+      b = c;
+    };
+    exchange(key[e], key[f]);
+    exchange(link[e], link[f]);
+    exchange(row[e], row[f]);
   }
 };
 
-/// Pushes link `c` where any live lane meets its box.
+/// Asks early for what a link leads to: large trees do not fit the caches, and a packet waits longer for memory than it computes.
+inline void prefetch_target(const BvhView& bvh, const BvhLink& link) noexcept {
+  if (link.tag() == BvhLink::kInner) {
+    __builtin_prefetch(&bvh.links[link.first]);
+  } else if (link.tag() == static_cast<std::uint32_t>(PrimKind::triangle)) {
+    const float* const record = bvh.pools.triangles.vertex[0][0] + static_cast<std::int64_t>(link.first) * bvh.pools.triangles.stride;
+    __builtin_prefetch(record);
+    __builtin_prefetch(record + 16);
+  }
+}
+
+/// Pushes link `c` where any live lane meets its box, below its siblings that are nearer; those begin at `bottom`.
 template <class L, int kGroups, bool kUniform, class Stats>
-inline bool push_if_met(const BvhView& bvh, const Packet<L, kGroups>& packet, const typename L::Mask* live, std::int32_t c, Stack<L, kGroups>& stack,
-                        Stats stats) noexcept {
+[[gnu::always_inline]] inline void push_if_met(const BvhView& bvh, const Packet<L, kGroups>& packet, std::int32_t octant, const typename L::Mask* live,
+                                               std::int32_t c, std::int32_t bottom, Stack<L, kGroups>& stack, Stats stats) noexcept {
   using Float = typename L::Float;
-  bool met = false;
+  const BvhLink& link = bvh.links[c];
+  const BoxPlanes<L, kUniform> planes(link.box, octant);
+  float* const out = stack.distances_of(stack.size);
+  std::uint64_t met = 0;
   for (int g = 0; g < packet.group_count(); ++g) {
-    float* const out = stack.near_of(stack.size, g);
     if (kGroups != 1 && L::none(live[g])) {
-      L::store(out, Float(kInfinity));
+      L::store(out + g * L::kWidth, Float(kMissed));
       continue;
     }
     stats.template count<Event::volume_test, L>(live[g]);
-    const SlabInterval<L> interval = intersect_box<L, kUniform>(packet.ray[g], packet.hit[g].t, bvh.links[c].box);
+    const SlabInterval<L> interval = intersect_box(packet.ray[g], packet.hit[g].t, planes);
     const typename L::Mask meets = live[g] & (interval.t_near <= interval.t_far);
-    L::store(out, L::select(meets, interval.t_near, Float(kInfinity)));
-    if (met) continue;
-    const std::uint32_t bits = L::bits(meets);
-    if (bits == 0) continue;
-    met = true;
-    stack.key[stack.size] = out[__builtin_ctz(bits)];
+    L::store(out + g * L::kWidth, L::select(meets, interval.t_near, Float(kMissed)));
+    met |= std::uint64_t{L::bits(meets)} << (g * L::kWidth);
   }
-  if (!met) return false;
-  stack.link[stack.size++] = c;
-  return true;
-}
-
-/// Moves the last entry below those that are nearer, down to `bottom`: the nearest is to be on top.
-template <class L, int kGroups>
-inline void sort_in(Stack<L, kGroups>& stack, std::int32_t bottom) noexcept {
-  const int groups = kGroups > 0 ? kGroups : stack.group_count;
-  for (std::int32_t e = stack.size - 1; e > bottom && stack.key[e] > stack.key[e - 1]; --e) {
-    const float lower_key = stack.key[e - 1];
-    stack.key[e - 1] = stack.key[e];
-    stack.key[e] = lower_key;
-    const std::int32_t lower_link = stack.link[e - 1];
-    stack.link[e - 1] = stack.link[e];
-    stack.link[e] = lower_link;
-    for (int g = 0; g < groups; ++g) {
-      const auto upper = L::load(stack.near_of(e, g));
-      L::store(stack.near_of(e, g), L::load(stack.near_of(e - 1, g)));
-      L::store(stack.near_of(e - 1, g), upper);
-    }
-  }
+  if (met == 0) return;
+  std::int32_t e = stack.size++;
+  stack.key[e] = out[__builtin_ctzll(met)];
+  stack.link[e] = c;
+  for (; e > bottom && stack.key[e] > stack.key[e - 1]; --e) stack.swap(e, e - 1);
 }
 
 template <Query Q, class L, int kGroups, bool kUniform, class Stats>
-void traverse(const BvhView& bvh, const TraceArgs& args, Packet<L, kGroups>& packet, Stats stats) noexcept {
+void traverse(const BvhView& bvh, Stack<L, kGroups>& stack, Packet<L, kGroups>& packet, std::int32_t octant, Stats stats) noexcept {
   using Mask = typename L::Mask;
   Mask live[Packet<L, kGroups>::kCapacity];
-  Stack<L, kGroups> stack(args, bvh.stack_capacity, packet.group_count());
   for (int g = 0; g < packet.group_count(); ++g) live[g] = packet.live(g);
-  push_if_met<L, kGroups, kUniform>(bvh, packet, live, 0, stack, stats);
-
+  const auto count_live = [&]<Event e>() noexcept {
+    if constexpr (Stats::kCounting) {
+      for (int g = 0; g < packet.group_count(); ++g) {
+        if (L::any(live[g])) stats.template count<e, L>(live[g]);
+      }
+    }
+  };
+  push_if_met<L, kGroups, kUniform>(bvh, packet, octant, live, 0, 0, stack, stats);
   while (stack.size > 0) {
-    const std::int32_t entry = --stack.size;
+    const float* const t_near = stack.distances_of(--stack.size);
+    const BvhLink& link = bvh.links[stack.link[stack.size]];
     bool any_live = false;
     for (int g = 0; g < packet.group_count(); ++g) {
-      const auto t_near = L::load(stack.near_of(entry, g));
-      live[g] = (t_near <= packet.hit[g].t) & (t_near < typename L::Float(kInfinity));
-      any_live = any_live || L::any(live[g]);
+      live[g] = L::load(t_near + g * L::kWidth) <= packet.hit[g].t;
+      any_live |= L::any(live[g]);
     }
     if (!any_live) continue;
-    const BvhLink& link = bvh.links[stack.link[entry]];
     if (link.tag() == BvhLink::kInner) {
-      if constexpr (Stats::kCounting) {
-        for (int g = 0; g < packet.group_count(); ++g) {
-          if (L::any(live[g])) stats.template count<Event::node_visit, L>(live[g]);
-        }
-      }
+      count_live.template operator()<Event::node_visit>();
       const std::int32_t bottom = stack.size;
+      for (std::int32_t c = link.first; c < link.first + link.count(); ++c) prefetch_target(bvh, bvh.links[c]);
       for (std::int32_t c = link.first; c < link.first + link.count(); ++c) {
-        if (push_if_met<L, kGroups, kUniform>(bvh, packet, live, c, stack, stats)) sort_in(stack, bottom);
+        push_if_met<L, kGroups, kUniform>(bvh, packet, octant, live, c, bottom, stack, stats);
       }
       continue;
     }
-    if constexpr (Stats::kCounting) {
-      for (int g = 0; g < packet.group_count(); ++g) {
-        if (L::any(live[g])) stats.template count<Event::leaf_visit, L>(live[g]);
-      }
-    }
+    count_live.template operator()<Event::leaf_visit>();
     if (link.tag() == BvhLink::kRuns) {
       for (std::int32_t r = link.first; r < link.first + link.count(); ++r) {
         test_run<Q, L, kGroups>(packet, live, bvh.pools, bvh.runs[r], nullptr, stats);
@@ -129,9 +136,11 @@ void traverse(const BvhView& bvh, const TraceArgs& args, Packet<L, kGroups>& pac
 template <Query Q, class L, class Stats>
 void trace(const BvhView& bvh, const TraceArgs& args, Stats stats) noexcept {
   with_groups<L>(args.packet, [&]<int kGroups>() noexcept {
+    Stack<L, kGroups> stack(args.scratch, bvh.stack_capacity, (args.packet + L::kWidth - 1) / L::kWidth);
     for_each_packet<Q, L, kGroups>(args, [&](Packet<L, kGroups>& packet) noexcept {
-      if (packet.shares_octant()) traverse<Q, L, kGroups, true>(bvh, args, packet, stats);
-      else traverse<Q, L, kGroups, false>(bvh, args, packet, stats);
+      const std::int32_t octant = packet.shared_octant();
+      if (octant >= 0) traverse<Q, L, kGroups, true>(bvh, stack, packet, octant, stats);
+      else traverse<Q, L, kGroups, false>(bvh, stack, packet, octant, stats);
     });
   });
 }

@@ -16,23 +16,31 @@ struct SlabInterval {
   typename L::Float t_far;
 };
 
-/// The whole line's interval in the box, not clipped to the ray's. `box` is min x y z, max x y z.
-/// kUniform: ray.octant >= 0, all lanes share their direction signs.
-template <class L, bool kUniform = false>
-inline SlabInterval<L> line_in_box(const RayPacket<L>& ray, const float* box) noexcept {
+/// A box in registers, the same in all lanes: its planes of least and greatest coordinate, or, where all rays share their direction signs (kUniform), the
+/// planes that they meet first and last.
+template <class L, bool kUniform>
+struct BoxPlanes {
+  typename L::Float first[3];
+  typename L::Float last[3];
+
+  /// `box` is min x y z, max x y z. `octant` matters only if kUniform: the sign bits of the directions.
+  BoxPlanes(const float* box, std::int32_t octant) noexcept {
+    for (int a = 0; a < 3; ++a) {
+      const int swapped = kUniform && (octant >> a & 1) != 0 ? 3 : 0;
+      first[a] = typename L::Float(box[a + swapped]);
+      last[a] = typename L::Float(box[a + 3 - swapped]);
+    }
+  }
+};
+
+/// The whole line's interval in the box, not clipped to the ray's.
+template <class L, bool kUniform>
+[[gnu::always_inline]] inline SlabInterval<L> line_in_box(const RayPacket<L>& ray, const BoxPlanes<L, kUniform>& planes) noexcept {
   using Float = typename L::Float;
   Float t_near(-kInfinity), t_far(kInfinity);
   for (int a = 0; a < 3; ++a) {
-    Float near_plane, far_plane;
-    if constexpr (kUniform) {
-      const int far_side = (ray.octant >> a & 1) != 0 ? 0 : 3;
-      near_plane = Float(box[a + 3 - far_side]);
-      far_plane = Float(box[a + far_side]);
-    } else {
-      const Float low(box[a]), high(box[a + 3]);
-      near_plane = L::select(ray.negative[a], high, low);
-      far_plane = L::select(ray.negative[a], low, high);
-    }
+    const Float near_plane = kUniform ? planes.first[a] : L::select(ray.negative[a], planes.last[a], planes.first[a]);
+    const Float far_plane = kUniform ? planes.last[a] : L::select(ray.negative[a], planes.first[a], planes.last[a]);
     t_near = L::max((near_plane - ray.org[a]) * ray.inv_dir[a], t_near);
     t_far = L::min((far_plane - ray.org[a]) * ray.inv_dir[a], t_far);
   }
@@ -62,9 +70,9 @@ inline SlabInterval<L> line_in_own_box(const RayPacket<L>& ray, const float* con
 }
 
 /// The interval clipped to [t_min, t_end]: rays meet the box where t_near <= t_far.
-template <class L, bool kUniform = false>
-inline SlabInterval<L> intersect_box(const RayPacket<L>& ray, typename L::Float t_end, const float* box) noexcept {
-  const SlabInterval<L> line = line_in_box<L, kUniform>(ray, box);
+template <class L, bool kUniform>
+[[gnu::always_inline]] inline SlabInterval<L> intersect_box(const RayPacket<L>& ray, typename L::Float t_end, const BoxPlanes<L, kUniform>& planes) noexcept {
+  const SlabInterval<L> line = line_in_box(ray, planes);
   return {L::max(line.t_near, ray.t_min), L::min(line.t_far, t_end)};
 }
 

@@ -25,7 +25,7 @@ struct ShearedVertex {
 
 /// Brings vertex `i` of the columns x, y, z into ray space.
 template <class L>
-inline ShearedVertex<L> shear(const RayPacket<L>& ray, const float* const* column, std::int32_t i) noexcept {
+[[gnu::always_inline]] inline ShearedVertex<L> shear(const RayPacket<L>& ray, const float* const* column, std::int32_t i) noexcept {
   using Float = typename L::Float;
   Float p, q, r;
   if (ray.axis >= 0) {
@@ -44,9 +44,10 @@ inline ShearedVertex<L> shear(const RayPacket<L>& ray, const float* const* colum
 }
 
 template <class L>
-inline SurfaceHit<L> intersect_triangle(const RayPacket<L>& ray, const TriangleView& pool, std::int32_t i) noexcept {
+[[gnu::always_inline]] inline SurfaceHit<L> intersect_triangle(const RayPacket<L>& ray, const TriangleView& pool, std::int32_t triangle) noexcept {
   using Float = typename L::Float;
   const Float zero(0.0f);
+  const std::int32_t i = triangle * pool.stride;
   const ShearedVertex<L> a = shear(ray, pool.vertex[0], i);
   const ShearedVertex<L> b = shear(ray, pool.vertex[1], i);
   const ShearedVertex<L> c = shear(ray, pool.vertex[2], i);
@@ -56,7 +57,7 @@ inline SurfaceHit<L> intersect_triangle(const RayPacket<L>& ray, const TriangleV
   const Float least = L::min(L::min(weight_a, weight_b), weight_c);
   const Float most = L::max(L::max(weight_a, weight_b), weight_c);
   const Float det = weight_a + weight_b + weight_c;
-  SurfaceHit<L> hit;
+  SurfaceHit<L> hit{{}, zero, zero, zero};
   hit.meets = ((least >= zero) | (most <= zero)) & (det != zero);
   if (L::none(hit.meets)) return hit;
   const Float inv_det = Float(1.0f) / det;

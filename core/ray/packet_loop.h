@@ -23,15 +23,15 @@ struct Packet {
     if constexpr (kGroups > 0) return kGroups;
     else return runtime_groups;
   }
-  /// Whether all live rays share their direction signs. A dead register agrees with any.
-  [[nodiscard]] bool shares_octant() const noexcept {
+  /// The direction signs that all live rays share (0 where none lives), -1 where they differ.
+  [[nodiscard]] std::int32_t shared_octant() const noexcept {
     std::int32_t shared = -1;
     for (int g = 0; g < group_count(); ++g) {
       if (L::none(live(g))) continue;
-      if (ray[g].octant < 0 || (shared >= 0 && ray[g].octant != shared)) return false;
+      if (ray[g].octant < 0 || (shared >= 0 && ray[g].octant != shared)) return -1;
       shared = ray[g].octant;
     }
-    return true;
+    return shared >= 0 ? shared : 0;
   }
   /// Lanes that can still be improved.
   [[nodiscard]] typename L::Mask live(int group) const noexcept { return hit[group].t > typename L::Float(-kInfinity); }

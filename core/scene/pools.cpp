@@ -30,7 +30,11 @@ PoolsView Pools::view() const noexcept {
   assign(view.spheres.center, spheres.center);
   view.spheres.radius = spheres.radius.data();
   view.spheres.prim = spheres.prim.data();
-  for (std::size_t k = 0; k < 3; ++k) assign(view.triangles.vertex[k], triangles.vertex[k]);
+  view.triangles.stride = triangles.record.empty() ? 1 : 9;
+  for (std::size_t k = 0; k < 3; ++k) {
+    assign(view.triangles.vertex[k], triangles.vertex[k]);
+    for (std::size_t a = 0; a < 3 && !triangles.record.empty(); ++a) view.triangles.vertex[k][a] = triangles.record.data() + 3 * k + a;
+  }
   view.triangles.prim = triangles.prim.data();
   assign(view.polygons.vertex, polygons.vertex);
   view.polygons.first_vertex = polygons.first_vertex.data();
@@ -61,7 +65,7 @@ std::size_t Pools::mem_bytes() const noexcept {
   std::size_t sum = bytes(spheres.center) + spheres.radius.bytes() + spheres.prim.bytes();
   for (const FloatColumns3& vertex : triangles.vertex) sum += bytes(vertex);
   for (const FloatColumns3& normal : triangles.normal) sum += bytes(normal);
-  sum += triangles.prim.bytes() + triangles.normal_index.bytes();
+  sum += triangles.record.bytes() + triangles.prim.bytes() + triangles.normal_index.bytes();
   sum += bytes(polygons.vertex) + polygons.first_vertex.bytes() + bytes(polygons.normal) + bytes(polygons.box_min) + bytes(polygons.box_max) +
          polygons.prim.bytes();
   sum += bytes(cones.base) + bytes(cones.axis) + cones.radius[0].bytes() + cones.radius[1].bytes() + bytes(cones.box_min) + bytes(cones.box_max) +
@@ -83,7 +87,7 @@ Pools reordered(const Pools& pools, std::span<const PrimRef> order) {
   resize3(out.spheres.center, of(PrimKind::sphere));
   out.spheres.radius.resize(of(PrimKind::sphere));
   out.spheres.prim.resize(of(PrimKind::sphere));
-  for (FloatColumns3& vertex : out.triangles.vertex) resize3(vertex, of(PrimKind::triangle));
+  out.triangles.record.resize(9 * of(PrimKind::triangle));
   out.triangles.prim.resize(of(PrimKind::triangle));
   resize3(out.polygons.vertex, vertex_count);
   if (of(PrimKind::polygon) > 0) out.polygons.first_vertex.resize(of(PrimKind::polygon) + 1);
@@ -105,7 +109,7 @@ Pools reordered(const Pools& pools, std::span<const PrimRef> order) {
         out.spheres.prim[j] = pools.spheres.prim[i];
         break;
       case PrimKind::triangle:
-        for (std::size_t k = 0; k < 3; ++k) copy3(pools.triangles.vertex[k], i, out.triangles.vertex[k], j);
+        for (std::size_t c = 0; c < 9; ++c) out.triangles.record[9 * j + c] = pools.triangles.vertex[c / 3][c % 3][i];
         out.triangles.prim[j] = pools.triangles.prim[i];
         break;
       case PrimKind::polygon:

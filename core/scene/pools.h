@@ -22,7 +22,9 @@ struct SpherePool {
 };
 
 struct TrianglePool {
-  std::array<FloatColumns3, 3> vertex;  ///< [vertex][axis]
+  std::array<FloatColumns3, 3> vertex;  ///< [vertex][axis]; empty where `record` is used instead
+  /// Nine floats a triangle, for copies in leaf order: a leaf's triangles are read all at once, and so from few cache lines.
+  Column<float> record;
   Column<std::int32_t> prim;
   /// Index of a triangle's vertex normals in `normal`, -1 where it has none; the column is empty where no triangle has any.
   Column<std::int32_t> normal_index;
@@ -62,7 +64,8 @@ struct Pools {
   [[nodiscard]] std::size_t mem_bytes() const noexcept;
 };
 
-/// A copy of the pools' primitives in the given order, without shading data: what a leaf refers to then lies together. An entry may occur several times.
+/// A copy of the pools' primitives in the given order, without shading data and with triangles as records: what a leaf refers to then lies together. An entry
+/// may occur several times. `pools` has columns, as a scene's has.
 [[nodiscard]] Pools reordered(const Pools& pools, std::span<const PrimRef> order);
 
 }  // namespace raymeter

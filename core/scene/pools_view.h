@@ -12,8 +12,10 @@ struct SphereView {
   const std::int32_t* prim;
 };
 
+/// Coordinate `axis` of vertex k of triangle i is vertex[k][axis][i * stride]: columns have stride 1, records of nine floats stride 9.
 struct TriangleView {
-  const float* vertex[3][3];  ///< [vertex][axis]
+  const float* vertex[3][3];
+  std::int32_t stride;
   const std::int32_t* prim;
 };
 
