@@ -56,7 +56,7 @@ public:
   }
   /// New elements get `value`.
   void resize(std::size_t size, T value = T{}) {
-    if (size > capacity_) grow(size);
+    if (size > capacity_) grow(std::max(size, capacity_ + capacity_ / 2));
     if (size > size_) std::fill(data_.get() + size_, data_.get() + size, value);
     size_ = size;
   }
