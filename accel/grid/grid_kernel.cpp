@@ -234,7 +234,7 @@ void traverse(const GridView& grid, Packet<L, kGroups>& packet, Stats stats) noe
     const Mask live = packet.live(g), serves = regular(grid.frame, ray);
     front[g] = live & ~serves;
     all_regular = all_regular && L::none(front[g]);
-    const SlabInterval<L> inside = intersect_box<L>(ray, packet.hit[g].t, grid.frame.box);
+    const SlabInterval<L> inside = intersect_box(ray, packet.hit[g].t, BoxPlanes<L, false>(grid.frame.box, 0));
     walk[g].live = live & serves & (inside.t_near <= inside.t_far);
     walk[g].t_end = inside.t_far;
     enter(grid.frame, ray, inside.t_near, walk[g]);

@@ -82,7 +82,9 @@ MicroSums MicroKernel<I>::boxes(const MicroTargets& targets, const RayView& rays
   using L = Lanes<I>;
   return test_all<L>(targets, rays, [&](const RayPacket<L>& ray, const HitPacket<L>& hit, std::int32_t i) noexcept {
     const float* box = targets.boxes + 6 * i;
-    const SlabInterval<L> inside = ray.octant >= 0 ? intersect_box<L, true>(ray, hit.t, box) : intersect_box<L, false>(ray, hit.t, box);
+    const SlabInterval<L> inside = ray.octant >= 0
+                                       ? intersect_box(ray, hit.t, BoxPlanes<L, true>(box, ray.octant))
+                                       : intersect_box(ray, hit.t, BoxPlanes<L, false>(box, 0));
     return SurfaceHit<L>{inside.t_near <= inside.t_far, inside.t_near, inside.t_near, inside.t_far};
   });
 }
