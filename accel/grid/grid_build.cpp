@@ -79,6 +79,8 @@ public:
     }
     count_cells();
     scatter();
+    mark_occupied();
+    bring_together();
     return std::move(grid_);
   }
 
@@ -213,6 +215,47 @@ private:
     });
   }
 
+  void mark_occupied() {
+    const auto cells = static_cast<std::size_t>(grid_.cell_count());
+    const std::size_t kinds = grid_.kinds.size();
+    grid_.occupied.resize((cells + 31) / 32);
+    tbb::parallel_for(Range(0, grid_.occupied.size(), kGrain), [&](const Range& range) {
+      for (std::size_t cell = 32 * range.begin(); cell < std::min(cells, 32 * range.end()); ++cell) {
+        const bool any = grid_.first[cell * kinds] != grid_.first[(cell + 1) * kinds];
+        grid_.occupied[cell / 32] |= (any ? 1u : 0u) << cell % 32;
+      }
+    });
+  }
+
+  /// Copies the primitives in the order of the first cell that lists them, so that those of a cell are read from few places.
+  void bring_together() {
+    std::vector<PrimRef> order;
+    order.reserve(entry_count_);
+    std::vector<std::uint32_t> moved(entry_count_);  // per entry: its new index
+    constexpr std::uint32_t kBelow = GridRef::neighbour_bit(0, 0) | GridRef::neighbour_bit(1, 0) | GridRef::neighbour_bit(2, 0);
+    const std::size_t kinds = grid_.kinds.size();
+    std::vector<std::uint32_t> next(kinds);
+    for (std::size_t slot = 0; slot + 1 < grid_.first.size(); ++slot) {
+      const std::size_t k = slot % kinds;
+      for (std::int32_t r = grid_.first[slot]; r < grid_.first[slot + 1]; ++r) {
+        const std::uint32_t ref = grid_.refs[static_cast<std::size_t>(r)];
+        if ((ref >> GridRef::kIndexBits & kBelow) != 0) continue;
+        const std::uint32_t index = ref & GridRef::kIndexMask;
+        order.push_back(prim_ref(grid_.kinds[k], index));
+        moved[first_entry_[k] + index] = next[k]++;
+      }
+    }
+    tbb::parallel_for(Range(0, grid_.first.size() - 1, 16 * kGrain), [&](const Range& range) {
+      for (std::size_t slot = range.begin(); slot < range.end(); ++slot) {
+        for (std::int32_t r = grid_.first[slot]; r < grid_.first[slot + 1]; ++r) {
+          std::uint32_t& ref = grid_.refs[static_cast<std::size_t>(r)];
+          ref = (ref & ~GridRef::kIndexMask) | moved[first_entry_[slot % kinds] + (ref & GridRef::kIndexMask)];
+        }
+      }
+    });
+    grid_.pools = reordered(pools_, order);
+  }
+
   const Pools& pools_;
   UniformGrid grid_;
   std::vector<std::size_t> first_entry_;  ///< per kind
@@ -230,8 +273,8 @@ std::int64_t CellRange::count() const noexcept {
 
 std::int64_t UniformGrid::cell_count() const noexcept { return std::int64_t{frame.resolution[0]} * frame.resolution[1] * frame.resolution[2]; }
 
-GridView UniformGrid::view(const Pools& pools, bool mailbox) const noexcept {
-  GridView view{pools.view(), frame, first.data(), refs.data(), static_cast<std::int32_t>(kinds.size()), {}, {}, mailbox ? 0x3Fu : 0u};
+GridView UniformGrid::view(bool mailbox) const noexcept {
+  GridView view{pools.view(), frame, occupied.data(), first.data(), refs.data(), static_cast<std::int32_t>(kinds.size()), {}, {}, mailbox ? 0x3Fu : 0u};
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     view.kind[k] = kinds[k];
     view.prim_count[k] = static_cast<std::int32_t>(pools.size(kinds[k]));

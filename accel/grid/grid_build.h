@@ -16,11 +16,13 @@ struct UniformGrid {
   GridFrame frame{};
   std::array<double, 3> margin{};  ///< how far beyond a cell its list reaches on each axis, so that it holds every hit that a ray may have there
   std::vector<PrimKind> kinds;     ///< that the scene has
+  Pools pools;                     ///< the scene's primitives in the order of the first cell that lists them
+  Column<std::uint32_t> occupied;
   Column<std::int32_t> first;
-  Column<std::uint32_t> refs;  ///< in the order of pool indices within a cell and kind
+  Column<std::uint32_t> refs;  ///< in the scene's order within a cell and kind
 
   [[nodiscard]] std::int64_t cell_count() const noexcept;
-  [[nodiscard]] GridView view(const Pools& pools, bool mailbox) const noexcept;
+  [[nodiscard]] GridView view(bool mailbox) const noexcept;
 };
 
 /// The cells that a box touches, per axis from `low` to `high`, both included.

@@ -2,8 +2,9 @@
 // array of references. Departures from the paper: the crossing of a plane is computed from the plane's index, (plane - org) * inv_dir, never accumulated, so
 // that it does not drift; and every lane steps on its own by vector arithmetic.
 //
-// Order. A ray crosses one plane per step, so a count of the cells between its octant's corner and its own, its progress, grows by one per step. Lanes step in
-// the order of progress: those that stand further ahead wait. Rays of one octant that pass through a cell therefore stand in it at the same time.
+// Order. A ray crosses one plane per step, so a count of the cells between its octant's corner and its own, its progress, grows by one per step. Where the rays
+// of a packet share their octant, lanes step in the order of progress and those further ahead wait: rays that pass through a cell then stand in it at the same
+// time. Where they do not, all lanes step at once.
 //
 // Events: node_visit for every step into a cell, the first one included (N_TS; executed once per register that steps). leaf_visit for the same cells (N_ETS),
 // of them empty_leaf_visit where the list is empty (N_EETS); a list is executed once for the lanes of a register that stand in its cell, empty cells together.
@@ -142,7 +143,8 @@ inline void enter(const GridFrame& frame, const RayPacket<L>& ray, typename L::F
 
 /// Takes the lanes in `steps` to their next cells; those for which there is none worth it are live no more.
 template <class L>
-inline void step(const GridFrame& frame, const RayPacket<L>& ray, typename L::Float t_hit, typename L::Mask steps, Walk<L>& walk) noexcept {
+[[gnu::always_inline]] inline void step(const GridFrame& frame, const RayPacket<L>& ray, typename L::Float t_hit, typename L::Mask steps,
+                                        Walk<L>& walk) noexcept {
   using Float = typename L::Float;
   using Int = typename L::Int;
   using Mask = typename L::Mask;
@@ -163,48 +165,58 @@ inline void step(const GridFrame& frame, const RayPacket<L>& ray, typename L::Fl
   }
 }
 
+/// The lanes whose cells list anything. Every lane has some cell, dead or alive.
+template <class L>
+inline std::uint32_t occupied_lanes(const GridView& grid, const std::int32_t* cell_of) noexcept {
+  std::uint32_t lanes = 0;
+  for (int lane = 0; lane < L::kWidth; ++lane) {
+    const auto cell = static_cast<std::uint32_t>(cell_of[lane]);
+    lanes |= (grid.occupied[cell >> 5] >> (cell & 31u) & 1u) << lane;
+  }
+  return lanes;
+}
+
 /// Tests the rays of a packet against the lists of the cells in which they stand.
 template <Query Q, class L, int kGroups, class Stats>
 inline void visit_cells(const GridView& grid, Packet<L, kGroups>& packet, const Walk<L>* walk, const typename L::Mask* front, Stats stats) noexcept {
   using Mask = typename L::Mask;
   constexpr int kCapacity = Packet<L, kGroups>::kCapacity;
   alignas(64) std::int32_t cell_of[kCapacity][L::kWidth];
-  std::uint32_t left[kCapacity];   // lanes whose cell has not been visited
-  std::uint32_t empty[kCapacity];  // lanes in empty cells
+  std::uint32_t left[kCapacity];  // lanes in cells whose lists are still to be tested
   for (int g = 0; g < packet.group_count(); ++g) {
     left[g] = L::bits(front[g]);
-    empty[g] = 0;
-    if (left[g] != 0) L::store(cell_of[g], walk[g].cell);
+    if (left[g] == 0) continue;
+    L::store(cell_of[g], walk[g].cell);
+    const std::uint32_t occupied = occupied_lanes<L>(grid, cell_of[g]) & left[g];
+    if constexpr (Stats::kCounting) {
+      const std::uint32_t empty = left[g] & ~occupied;
+      if (empty != 0) {
+        stats.template count<Event::leaf_visit, L>(L::mask(empty));
+        stats.template count<Event::empty_leaf_visit, L>(L::mask(empty));
+      }
+    }
+    left[g] = occupied;
   }
   Mask here[kCapacity];
   for (int first = 0; first < packet.group_count(); ++first) {
     while (left[first] != 0) {
       const std::int32_t cell = cell_of[first][__builtin_ctz(left[first])];
-      const std::int32_t* const slot = grid.first + static_cast<std::int64_t>(cell) * grid.kind_count;
-      const bool is_empty = slot[0] == slot[grid.kind_count];
       for (int g = first; g < packet.group_count(); ++g) {
         here[g] = front[g] & L::equal(walk[g].cell, typename L::Int(cell));
-        const std::uint32_t lanes = L::bits(here[g]) & left[g];
-        left[g] &= ~lanes;
-        if (is_empty) empty[g] |= lanes;
         if constexpr (Stats::kCounting) {
-          if (!is_empty && lanes != 0) stats.template count<Event::leaf_visit, L>(here[g]);
+          if (L::any(here[g])) stats.template count<Event::leaf_visit, L>(here[g]);
         }
+        left[g] &= ~L::bits(here[g]);
       }
-      for (std::int32_t k = 0; k < grid.kind_count && !is_empty; ++k) {
-        const GridRefs<L> refs{grid.refs + slot[k], walk, grid.mailbox};
+      const std::int32_t* const slot = grid.first + static_cast<std::int64_t>(cell) * grid.kind_count;
+      for (std::int32_t k = 0; k < grid.kind_count; ++k) {
         const std::int32_t count = slot[k + 1] - slot[k];
-        if (count > 0) test_refs<Q, L, kGroups>(packet, here, grid.pools, grid.kind[k], count, refs, stats);
+        if (count == 0) continue;
+        const GridRefs<L> refs{grid.refs + slot[k], walk, grid.mailbox};
+        test_refs<Q, L, kGroups>(packet, here, grid.pools, grid.kind[k], count, refs, stats);
       }
     }
     here[first] = L::mask(0);
-  }
-  if constexpr (Stats::kCounting) {
-    for (int g = 0; g < packet.group_count(); ++g) {
-      if (empty[g] == 0) continue;
-      stats.template count<Event::leaf_visit, L>(L::mask(empty[g]));
-      stats.template count<Event::empty_leaf_visit, L>(L::mask(empty[g]));
-    }
   }
 }
 
@@ -243,10 +255,12 @@ void traverse(const GridView& grid, Packet<L, kGroups>& packet, Stats stats) noe
     test_refs<Q, L, kGroups>(packet, front, grid.pools, grid.kind[k], grid.prim_count[k], PositionRefs{0}, stats);
   }
 
+  const bool in_order = packet.shares_octant();
   for (std::int32_t now = least_progress(walk, packet.group_count()); now >= 0;) {
     bool reached = false;
     for (int g = 0; g < packet.group_count(); ++g) {
-      front[g] = walk[g].live & L::equal(walk[g].progress, typename L::Int(now));
+      front[g] = walk[g].live;
+      if (in_order) front[g] = front[g] & L::equal(walk[g].progress, typename L::Int(now));
       if (L::none(front[g])) continue;
       reached = true;
       stats.template count<Event::node_visit, L>(front[g]);

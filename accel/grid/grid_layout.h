@@ -38,6 +38,7 @@ struct GridRef {
 struct GridView {
   PoolsView pools;
   GridFrame frame;
+  const std::uint32_t* occupied;  ///< one bit per cell: whether its list holds anything; what most steps need to know, and 32 times smaller than `first`
   const std::int32_t* first;
   const std::uint32_t* refs;
   std::int32_t kind_count;

@@ -9,22 +9,21 @@ namespace {
 
 class Grid final : public Structure {
 public:
-  Grid(const Scene& scene, UniformGrid grid) : scene_(scene), grid_(std::move(grid)) {
+  explicit Grid(UniformGrid grid) : grid_(std::move(grid)) {
     const std::size_t kinds = grid_.kinds.size();
     for (std::size_t slot = 0; slot + 1 < grid_.first.size(); slot += kinds) stats_.empty_leaves += grid_.first[slot] == grid_.first[slot + kinds] ? 1 : 0;
     stats_.leaves = grid_.cell_count();
     stats_.references = static_cast<std::int64_t>(grid_.refs.size());
     stats_.max_depth = 0;
-    stats_.mem_bytes = sizeof *this + grid_.first.bytes() + grid_.refs.bytes();
+    stats_.mem_bytes = sizeof *this + grid_.occupied.bytes() + grid_.first.bytes() + grid_.refs.bytes() + grid_.pools.mem_bytes();
   }
   [[nodiscard]] const BuildStats& stats() const noexcept override { return stats_; }
   [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
     const bool mailbox = bind<GridParams>(options.params).mailbox;
-    return std::make_unique<KernelIntersector<GridView>>(grid_.view(scene_.pools(), mailbox), kernels_for<GridKernel, GridView>(options.isa), options.packet);
+    return std::make_unique<KernelIntersector<GridView>>(grid_.view(mailbox), kernels_for<GridKernel, GridView>(options.isa), options.packet);
   }
 
 private:
-  const Scene& scene_;
   UniformGrid grid_;
   BuildStats stats_;
 };
@@ -32,7 +31,7 @@ private:
 }  // namespace
 
 std::unique_ptr<Structure> build_grid(const Scene& scene, const ParamValues& values, int threads) {
-  return std::make_unique<Grid>(scene, build_uniform_grid(scene, bind<GridParams>(values), threads));
+  return std::make_unique<Grid>(build_uniform_grid(scene, bind<GridParams>(values), threads));
 }
 
 }  // namespace raymeter
