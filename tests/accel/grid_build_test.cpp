@@ -115,7 +115,9 @@ TEST(GridBuild, ListsEveryPrimitiveInTheCellsThatItsBoxTouches) {
           }
           if (!inside) continue;
           ASSERT_LT(next_ref, grid.refs.size());
-          ASSERT_EQ(grid.refs[next_ref] & GridRef::kIndexMask, i) << resolution << " cell " << c;
+          const std::size_t copy = grid.refs[next_ref] & GridRef::kIndexMask;
+          const std::int32_t id = grid.kinds[k] == PrimKind::sphere ? grid.pools.spheres.prim[copy] : grid.pools.triangles.prim[copy];
+          ASSERT_EQ(scene.prim(id), prim_ref(grid.kinds[k], i)) << resolution << " cell " << c;
           ASSERT_EQ(grid.refs[next_ref] >> GridRef::kIndexBits, neighbours) << resolution << " cell " << c;
           ++next_ref;
         }
