@@ -92,6 +92,20 @@ bool is_finite(const glm::dmat4& matrix) noexcept {
   return true;
 }
 
+/// Nodes that are no node's child, the last first.
+std::vector<std::int64_t> roots_of(const JsonView& nodes) {
+  std::vector<bool> is_child(static_cast<std::size_t>(nodes.size()));
+  for (std::int64_t i = 0; i < nodes.size(); ++i) {
+    const auto children = nodes.at(i).find("children");
+    for (std::int64_t k = 0; children && k < children->size(); ++k) is_child[static_cast<std::size_t>(children->at(k).integer(0, nodes.size() - 1))] = true;
+  }
+  std::vector<std::int64_t> roots;
+  for (std::int64_t i = nodes.size() - 1; i >= 0; --i) {
+    if (!is_child[static_cast<std::size_t>(i)]) roots.push_back(i);
+  }
+  return roots;
+}
+
 /// Khronos, glTF 2.0 specification.
 class GltfReader {
 public:
@@ -115,10 +129,12 @@ private:
     const auto push = [&](const JsonView& indices, const glm::dmat4& parent) {
       for (std::int64_t i = indices.size() - 1; i >= 0; --i) stack.push_back({indices.at(i).integer(0, nodes.size() - 1), parent});
     };
-    const auto scenes = document_.root().find("scenes");
-    if (!scenes) throw document_.root().error("'scenes' is missing, so that no node is shown");
-    const JsonView shown = scenes->at(document_.root().integer_or("scene", 0, 0, scenes->size()));
-    if (const auto roots = shown.find("nodes")) push(*roots, glm::dmat4(1.0));
+    if (const auto scenes = document_.root().find("scenes")) {
+      const JsonView shown = scenes->at(document_.root().integer_or("scene", 0, 0, scenes->size()));
+      if (const auto roots = shown.find("nodes")) push(*roots, glm::dmat4(1.0));
+    } else {
+      for (const std::int64_t root : roots_of(nodes)) stack.push_back({root, glm::dmat4(1.0)});
+    }
     std::vector<bool> seen(static_cast<std::size_t>(nodes.size()));
     while (!stack.empty()) {
       const Visit visit = stack.back();

@@ -17,8 +17,8 @@ struct SceneFormat {
 
 [[nodiscard]] std::span<const SceneFormat> scene_formats() noexcept;
 
-/// glTF 2.0, text or binary: triangles, strips and fans of the shown scene, base colours, the first perspective camera. Every node with a mesh is a composite
-/// object; its triangles are stored in world space. Lines, points, skins, morph targets and textures are skipped.
+/// glTF 2.0, text or binary: triangles, strips and fans of the shown scene (of all nodes where there is none), base colours, the first perspective camera.
+/// Every node with a mesh is a composite object; its triangles are stored in world space. Lines, points, skins, morph targets and textures are skipped.
 [[nodiscard]] Scene read_gltf(const SourceFile& file);
 /// Neutral File Format. Triangles (`p` and `pp` of 3 vertices) become triangles, larger ones polygons, whose vertex normals are not kept.
 [[nodiscard]] Scene read_nff(const SourceFile& file);
