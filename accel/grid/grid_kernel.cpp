@@ -255,7 +255,7 @@ void traverse(const GridView& grid, Packet<L, kGroups>& packet, Stats stats) noe
     test_refs<Q, L, kGroups>(packet, front, grid.pools, grid.kind[k], grid.prim_count[k], PositionRefs{0}, stats);
   }
 
-  const bool in_order = packet.shares_octant();
+  const bool in_order = packet.shared_octant() >= 0;
   for (std::int32_t now = least_progress(walk, packet.group_count()); now >= 0;) {
     bool reached = false;
     for (int g = 0; g < packet.group_count(); ++g) {
