@@ -73,16 +73,27 @@ int parse_size(const SceneGenerator& generator, std::string_view spec, std::stri
   throw Error(fmt::format("{}: expected a size ({}) from {} to {}, got '{}'", spec, generator.size_means, generator.min_size, generator.max_size, text));
 }
 
-}  // namespace
+struct ParsedSpec {
+  const SceneGenerator& generator;
+  int size;
+};
 
-std::span<const SceneGenerator> scene_generators() noexcept { return kGenerators; }
-
-Scene generate_scene(std::string_view spec) {
+ParsedSpec parse_spec(std::string_view spec) {
   // The prefix has one colon itself; the size follows a second.
   const std::size_t first = spec.find(':');
   const std::size_t second = first == std::string_view::npos ? first : spec.find(':', first + 1);
   const SceneGenerator& generator = find_generator(spec, spec.substr(0, second));
-  const int size = second == std::string_view::npos ? generator.default_size : parse_size(generator, spec, spec.substr(second + 1));
+  return {generator, second == std::string_view::npos ? generator.default_size : parse_size(generator, spec, spec.substr(second + 1))};
+}
+
+}  // namespace
+
+std::span<const SceneGenerator> scene_generators() noexcept { return kGenerators; }
+
+void check_generator_spec(std::string_view spec) { (void)parse_spec(spec); }
+
+Scene generate_scene(std::string_view spec) {
+  const auto [generator, size] = parse_spec(spec);
   Scene scene = generator.make(size);
   scene.name = spec;
   scene.finish();

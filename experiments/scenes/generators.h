@@ -25,4 +25,7 @@ struct SceneGenerator {
 /// Throws Error for an unknown generator or a size that is no whole number in its range.
 [[nodiscard]] Scene generate_scene(std::string_view spec);
 
+/// Throws the same errors without making the scene.
+void check_generator_spec(std::string_view spec);
+
 }  // namespace raymeter

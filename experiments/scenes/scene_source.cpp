@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <fmt/format.h>
@@ -29,7 +31,7 @@ std::string lower_case(std::string_view text) {
   return lower;
 }
 
-Scene load_file(const std::string& path) {
+const SceneFormat& find_format(const std::string& path) {
   const std::string name = lower_case(without_compression(path));
   const auto* const format = std::find_if(kFormats.begin(), kFormats.end(), [&](const SceneFormat& known) { return name.ends_with(known.extension); });
   if (format == kFormats.end()) {
@@ -37,16 +39,26 @@ Scene load_file(const std::string& path) {
     for (const SceneFormat& row : kFormats) known.append(known.empty() ? "" : " ").append(row.extension);
     throw Error(fmt::format("{}: unknown kind of scene; expected a file that ends in one of {} (.xz or .gz may follow), or spd:NAME or gen:NAME", path, known));
   }
-  return format->read(read_source_file(path));
+  return *format;
 }
+
+bool is_generated(std::string_view spec) noexcept { return spec.starts_with("spd:") || spec.starts_with("gen:"); }
 
 }  // namespace
 
 std::span<const SceneFormat> scene_formats() noexcept { return kFormats; }
 
+void check_scene(std::string_view spec) {
+  if (is_generated(spec)) return check_generator_spec(spec);
+  const std::string path(spec);
+  (void)find_format(path);
+  if (!std::filesystem::is_regular_file(path) || !std::ifstream(path)) throw Error(path + ": cannot be opened");
+}
+
 Scene load_scene(std::string_view spec) {
-  if (spec.starts_with("spd:") || spec.starts_with("gen:")) return generate_scene(spec);
-  Scene scene = load_file(std::string(spec));
+  if (is_generated(spec)) return generate_scene(spec);
+  const std::string path(spec);
+  Scene scene = find_format(path).read(read_source_file(path));
   scene.name = spec;
   scene.finish();
   return scene;
