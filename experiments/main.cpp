@@ -11,9 +11,16 @@ namespace raymeter {
 namespace {
 
 void add_commands(Cli& cli) {
-  add_trace(cli);
+  add_run(cli);
+  add_validate(cli);
+  add_plan(cli);
   add_list(cli);
   add_describe(cli);
+  add_schema(cli);
+  add_env(cli);
+  add_trace(cli);
+  add_report(cli);
+  add_compare(cli);
 }
 
 /// CLI11's own codes (100 and more) become 2; help and version stay 0.

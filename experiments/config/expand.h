@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "experiments/config/config.h"
+
+namespace raymeter {
+
+/// One of several runs that share a matrix, by scene: scene i belongs to shard i mod count.
+struct Shard {
+  int index = 0;  ///< from 0
+  int count = 1;
+};
+/// Reads "I/N", I from 1; throws Error.
+[[nodiscard]] Shard parse_shard(const std::string& text);
+
+/// The cells of a config: the product of its lists without what it excludes, then those of `filter` and `shard`. Every cell once, scene by scene.
+[[nodiscard]] std::vector<Experiment> expand(const Config& config, const Pattern& filter = {}, const Shard& shard = {});
+
+/// The canonical JSON of a cell, from which its id is made.
+[[nodiscard]] std::string canonical_json(const Experiment& experiment);
+
+/// For each cell the index of the one that its time is held against, if there is one.
+[[nodiscard]] std::vector<std::optional<std::size_t>> reference_cells(const Config& config, const std::vector<Experiment>& cells);
+
+}  // namespace raymeter

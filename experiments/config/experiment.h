@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "accel/technique.h"
+#include "core/simd/isa.h"
+
+namespace raymeter {
+
+/// A scene of the matrix.
+struct SceneChoice {
+  std::string name;  ///< as the config has it, environment variables not substituted: what records show
+  std::string spec;  ///< for load_scene
+};
+
+/// A ray set of the matrix: a generator's name, or a .npy file with the query it is for.
+struct RaysChoice {
+  std::string name;  ///< as the config has it; "FILE:any" for a file's any-hit queries
+  std::string file;  ///< path of a .npy file, empty for generated rays
+  bool any = false;  ///< files only
+};
+
+/// One cell of the matrix, fully resolved: what is measured. How often and how carefully is in Config.
+struct Experiment {
+  std::string id;  ///< hash of the canonical JSON of everything below but the specs and paths
+  SceneChoice scene;
+  const StructureEntry* structure = nullptr;
+  ParamValues params;  ///< all of the structure's
+  std::string first_hit;
+  std::string occlusion;
+  int max_depth = 0;
+  double min_weight = 0;
+  Isa isa = Isa::scalar;
+  int packet = 1;
+  RaysChoice rays;
+  int threads = 1;  ///< 0: all
+  int width = 0;    ///< pixels of the rays' camera
+  int height = 0;
+  std::uint64_t seed = 0;
+};
+
+/// The parameters as "key=value,key=value".
+[[nodiscard]] std::string params_text(const ParamValues& params);
+/// The structure as on the command line, all parameters included.
+[[nodiscard]] std::string technique_text(const Experiment& experiment);
+[[nodiscard]] std::string threads_text(int threads);
+
+/// Keys that `exclude`, `measure.reference` and --filter may name: the fields of the matrix, structure.name, and structure.PARAM of every structure.
+[[nodiscard]] std::vector<std::string> field_keys();
+/// The text of a field, as the config writes it; empty where the experiment has no such field (another structure's parameter).
+[[nodiscard]] std::optional<std::string> field(const Experiment& experiment, const std::string& key);
+
+/// Fields and the texts each may have; all must match. The key "structure" means the name, or the whole technique.
+struct Pattern {
+  std::vector<std::pair<std::string, std::vector<std::string>>> fields;
+  /// `glob`: the texts may hold * ? [...].
+  [[nodiscard]] bool matches(const Experiment& experiment, bool glob = false) const;
+  [[nodiscard]] bool names(std::string_view key) const noexcept;
+};
+
+/// Reads 'structure=bvh*;scene=spd:balls*'; throws Error for an unknown key.
+[[nodiscard]] Pattern parse_filter(const std::string& text);
+
+}  // namespace raymeter

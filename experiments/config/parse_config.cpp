@@ -1,0 +1,166 @@
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "accel/registry.h"
+#include "core/base/error.h"
+#include "experiments/config/config.h"
+#include "experiments/config/load_json.h"
+#include "experiments/config/schema.h"
+#include "experiments/scenes/scene_source.h"
+
+namespace raymeter {
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// A value as a list of one.
+Json as_list(const Json& value) { return value.is_array() ? value : Json::array({value}); }
+
+ParamValue param_value(const Json& value) {
+  if (value.is_boolean()) return value.get<bool>();
+  if (value.is_number_integer()) return value.get<std::int64_t>();
+  if (value.is_number()) return value.get<double>();
+  return value.get<std::string>();
+}
+
+/// Replaces each ${NAME} by an environment variable.
+std::string substituted(const std::string& text, const Environment& environment, const std::string& path) {
+  std::string out;
+  std::size_t at = 0;
+  for (std::size_t open; (open = text.find("${", at)) != std::string::npos;) {
+    const std::size_t close = text.find('}', open);
+    if (close == std::string::npos) throw Error(fmt::format("{}: '${{' without '}}'", path));
+    const std::string name = text.substr(open + 2, close - open - 2);
+    const char* const value = environment(name);
+    if (value == nullptr) throw Error(fmt::format("{}: environment variable {} is not set", path, name));
+    out += text.substr(at, open - at) + value;
+    at = close + 1;
+  }
+  return out + text.substr(at);
+}
+
+/// The text of a path or of {"file": path}.
+const Json& file_of(const Json& value) { return value.is_object() ? value["file"] : value; }
+
+SceneChoice parse_scene(const Json& value, const Environment& environment, const std::string& path) {
+  const std::string name = file_of(value);
+  SceneChoice scene{name, substituted(name, environment, path)};
+  try {
+    check_scene(scene.spec);
+  } catch (const Error& error) {
+    throw Error(path + ": " + error.what());
+  }
+  return scene;
+}
+
+RaysChoice parse_rays(const Json& value, const Environment& environment, const std::string& path) {
+  const std::string name = file_of(value);
+  if (!name.ends_with(".npy")) return {name, "", false};
+  RaysChoice rays{name, substituted(name, environment, path), value.is_object() && value.value("query", "closest") == "any"};
+  if (rays.any) rays.name += ":any";
+  if (!std::ifstream(rays.file)) throw Error(fmt::format("{}: {} cannot be read", path, rays.file));
+  return rays;
+}
+
+StructureAxis parse_structure(const Json& value, const std::string& path) {
+  StructureAxis axis{&structure_entry(value["name"].get<std::string>()), {}, path};
+  for (const auto& [key, values] : value.items()) {
+    if (key == "name") continue;
+    axis.params.push_back({key, {}});
+    for (const Json& one : as_list(values)) axis.params.back().second.push_back(param_value(one));
+  }
+  return axis;
+}
+
+Pattern parse_pattern(const Json& object) {
+  Pattern pattern;
+  for (const auto& [key, values] : object.items()) {
+    pattern.fields.push_back({key, {}});
+    for (const Json& value : as_list(values)) pattern.fields.back().second.push_back(to_string(param_value(value)));
+  }
+  return pattern;
+}
+
+/// Calls parse(element, path) for each element of a list, or for the value that stands for a list of one.
+template <class T, class Parse>
+void parse_list(const Json& object, const std::string& key, const std::string& prefix, std::vector<T>& out, Parse&& parse) {
+  if (!object.contains(key)) return;
+  const bool list = object[key].is_array();
+  const Json values = as_list(object[key]);
+  out.clear();
+  for (std::size_t i = 0; i < values.size(); ++i) out.push_back(parse(values[i], list ? fmt::format("{}{}[{}]", prefix, key, i) : prefix + key));
+}
+
+Matrix parse_matrix(const Json& json, const Environment& environment) {
+  Matrix m;
+  const auto list = [&](const char* key, auto& out, auto&& parse) { parse_list(json, key, "matrix.", out, parse); };
+  const auto text = [](const Json& value, const std::string&) { return value.get<std::string>(); };
+  const auto whole = [](const Json& value, const std::string&) { return value.get<int>(); };
+  list("scene", m.scene, [&](const Json& value, const std::string& path) { return parse_scene(value, environment, path); });
+  list("structure", m.structure, parse_structure);
+  list("first_hit", m.first_hit, text);
+  list("occlusion", m.occlusion, text);
+  list("max_depth", m.max_depth, whole);
+  list("min_weight", m.min_weight, [](const Json& value, const std::string&) { return value.get<double>(); });
+  list("isa", m.isa, [](const Json& value, const std::string&) { return isa_from_name(value.get<std::string>()).value_or(best_isa()); });
+  list("packet", m.packet, whole);
+  list("rays", m.rays, [&](const Json& value, const std::string& path) { return parse_rays(value, environment, path); });
+  list("threads", m.threads, [](const Json& value, const std::string&) { return value.is_string() ? 0 : value.get<int>(); });
+  return m;
+}
+
+template <class T>
+void take(const Json& object, const char* key, T& value) {
+  if (object.contains(key)) value = object[key].get<T>();
+}
+
+Config parse_document(const Json& json, const Environment& environment) {
+  Config config;
+  config.text = json.dump();
+  take(json, "name", config.name);
+  take(json, "seed", config.seed);
+  config.matrix = parse_matrix(json["matrix"], environment);
+  parse_list(json, "exclude", "", config.exclude, [](const Json& value, const std::string&) { return parse_pattern(value); });
+  const Json image = json.value("image", Json::object());
+  take(image, "width", config.width);
+  take(image, "height", config.height);
+  const Json measure = json.value("measure", Json::object());
+  take(measure, "warmup", config.measure.warmup);
+  take(measure, "samples", config.measure.samples);
+  take(measure, "max_time_s", config.measure.max_time_s);
+  take(measure, "timeout_s", config.measure.timeout_s);
+  config.measure.reference = parse_pattern(measure.value("reference", Json::object()));
+  const Json verify = json.value("verify", Json::object());
+  take(verify, "oracle", config.verify.oracle);
+  take(verify, "max_tests", config.verify.max_tests);
+  take(verify, "hit_mismatch_max", config.verify.hit_mismatch_max);
+  return config;
+}
+
+}  // namespace
+
+Config parse_config(std::string_view text, const std::string& name, const std::vector<std::string>& settings, const Environment& environment) {
+  try {
+    Json document = load_json(text);
+    for (const std::string& setting : settings) apply_setting(document, setting);
+    check_schema(document);
+    Config config = parse_document(document, environment);
+    config.path = name;
+    return config;
+  } catch (const Error& error) {
+    throw Error(name + ": " + error.what());
+  }
+}
+
+Config load_config(const std::string& path, const std::vector<std::string>& settings, const Environment& environment) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  if (file) text << file.rdbuf();
+  if (!file || text.bad()) throw Error(path + ": cannot be read, expected a config in JSON");
+  return parse_config(text.str(), path, settings, environment);
+}
+
+}  // namespace raymeter

@@ -1,0 +1,144 @@
+#include "experiments/config/schema.h"
+
+#include <algorithm>
+
+#include "accel/registry.h"
+#include "core/ray/views.h"
+#include "core/simd/isa.h"
+#include "experiments/config/config.h"
+#include "experiments/record/param_json.h"
+
+namespace raymeter {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json described(Json schema, std::string_view description) {
+  schema["description"] = description;
+  return schema;
+}
+
+/// A value or a list of them: a list where one value is expected is a sweep.
+Json sweep(const Json& one, std::string_view description) {
+  return described({{"anyOf", {one, {{"type", "array"}, {"minItems", 1}, {"items", one}}}}}, description);
+}
+
+Json integer(std::int64_t min, std::int64_t max) { return {{"type", "integer"}, {"minimum", min}, {"maximum", max}}; }
+
+Json closed_object(Json properties, std::vector<std::string> required = {}) {
+  Json json{{"type", "object"}, {"properties", std::move(properties)}};
+  if (!required.empty()) json["required"] = required;
+  json["additionalProperties"] = false;
+  return json;
+}
+
+Json param_schema(const ParamInfo& info) {
+  Json json;
+  if (std::holds_alternative<bool>(info.default_value))
+    json = {{"type", "boolean"}};
+  else if (std::holds_alternative<std::int64_t>(info.default_value))
+    json = integer(static_cast<std::int64_t>(info.min), static_cast<std::int64_t>(info.max));
+  else if (std::holds_alternative<double>(info.default_value))
+    json = {{"type", "number"}, {"minimum", info.min}, {"maximum", info.max}};
+  else if (info.choices.empty())
+    json = {{"type", "string"}};
+  else
+    json = {{"type", "string"}, {"enum", info.choices}};
+  Json swept = sweep(json, info.help);
+  swept["default"] = to_json(info.default_value);
+  return swept;
+}
+
+Json structure_schema(const StructureEntry& entry) {
+  Json properties{{"name", {{"const", entry.name}}}};
+  for (const ParamInfo& info : entry.params()) properties[std::string(info.key)] = param_schema(info);
+  return described(closed_object(properties, {"name"}), entry.summary);
+}
+
+Json structures_schema() {
+  Json alternatives = Json::array();
+  for (const StructureEntry& entry : structures()) alternatives.push_back(structure_schema(entry));
+  return {{"anyOf", alternatives}};
+}
+
+Json isa_schema() {
+  Json names = Json::array();
+  for (const Isa isa : kIsas) names.push_back(name(isa));
+  names.push_back("best");
+  return {{"type", "string"}, {"enum", names}};
+}
+
+Json scene_schema() {
+  const Json file = closed_object({{"file", {{"type", "string"}, {"minLength", 1}}}}, {"file"});
+  return {{"anyOf", {{{"type", "string"}, {"minLength", 1}}, file}}};
+}
+
+Json rays_schema() {
+  const Json kinds{{"type", "string"}, {"enum", {"primary", "shadow", "reflection", "ambient_occlusion", "diffuse", "random"}}};
+  const Json file{{"type", "string"}, {"pattern", "\\.npy$"}, {"description", "a .npy file"}};
+  const Json query{{"type", "string"}, {"enum", {"closest", "any"}}};
+  const Json object = closed_object({{"file", file}, {"query", query}}, {"file"});
+  return {{"anyOf", {kinds, file, object}}};
+}
+
+Json matrix_schema() {
+  const Json threads{{"anyOf", {integer(1, 4096), {{"const", "all"}}}}};
+  return closed_object({{"scene", sweep(scene_schema(), "generators (spd:balls:4, gen:terrain:100000) or files")},
+                        {"structure", sweep(structures_schema(), "acceleration structures and their parameters")},
+                        {"first_hit", sweep({{"enum", {"cast"}}}, "how eye rays find their first hit")},
+                        {"occlusion", sweep({{"enum", {"none"}}}, "what is tried before a shadow ray is traced")},
+                        {"max_depth", sweep({{"enum", {5}}}, "recursion of whole images, which are not measured yet")},
+                        {"min_weight", sweep({{"enum", {0}}}, "least weight of a ray of whole images, which are not measured yet")},
+                        {"isa", sweep(isa_schema(), "instruction sets; one that the machine lacks is recorded as skipped; best: the machine's best")},
+                        {"packet", sweep(integer(1, kMaxPacket), "rays per packet; 1 traces rays one by one")},
+                        {"rays", sweep(rays_schema(), "ray sets; .npy files are for closest unless they say query: any")},
+                        {"threads", sweep(threads, "number of threads, or all")}},
+                       {"scene", "structure"});
+}
+
+/// Fields of a cell and the values that they may have.
+Json pattern_schema() {
+  const Json scalar{{"type", {"string", "number", "boolean"}}};
+  Json properties = Json::object();
+  for (const std::string& key : field_keys()) properties[key] = sweep(scalar, "value or values of " + key);
+  return closed_object(properties);
+}
+
+Json measure_schema() {
+  const Json seconds{{"type", "number"}, {"minimum", 0}};
+  return closed_object({{"warmup", described(integer(0, 1000), "passes before the timed ones")},
+                        {"samples", described(integer(0, 100000), "timed passes per cell; 0 counts only")},
+                        {"order", described({{"enum", {"interleaved"}}}, "round-robin over the cells of a scene, in a seeded order")},
+                        {"max_time_s", described(seconds, "of the whole run; the rest can be resumed")},
+                        {"timeout_s", described(seconds, "of one cell: its counted, warm-up and timed passes")},
+                        {"reference", described(pattern_schema(),
+                                                "fields that the cell of ratio_vs_ref has; the others are as the cell's own; "
+                                                "default: the first structure")}});
+}
+
+}  // namespace
+
+nlohmann::ordered_json config_schema() {
+  const Json image = closed_object({{"width", integer(1, 32768)}, {"height", integer(1, 32768)}});
+  const Json verify =
+      closed_object({{"oracle", described({{"type", "boolean"}}, "hold hits against the exact oracle")},
+                     {"max_tests", described({{"type", "number"}, {"minimum", 0}}, "ray-primitive tests of one verification; beyond, rays are sampled")},
+                     {"hit_mismatch_max", described({{"type", "number"}, {"minimum", 0}, {"maximum", 1}}, "share of the rays that may be wrong")}});
+  Json properties{{"$schema", {{"type", "string"}}},
+                  {"schema_version", {{"const", kSchemaVersion}}},
+                  {"name", {{"type", "string"}, {"pattern", "^[A-Za-z0-9_][A-Za-z0-9._-]*$"}, {"description", "letters, digits, '.', '_' and '-'"}}},
+                  {"seed", described(integer(0, std::int64_t{1} << 53), "of generated rays and of the order of samples")},
+                  {"matrix", described(matrix_schema(), "the product of all lists is measured")},
+                  {"exclude", {{"type", "array"}, {"items", pattern_schema()}, {"description", "cells that are not measured"}}},
+                  {"image", described(image, "pixels of the camera that makes the rays")},
+                  {"measure", measure_schema()},
+                  {"verify", verify}};
+  Json schema{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "raymeter experiment"}};
+  schema.update(closed_object(properties, {"name", "matrix"}));
+  return schema;
+}
+
+std::string config_schema_text() { return config_schema().dump(2) + "\n"; }
+
+}  // namespace raymeter

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "accel/technique.h"
+#include "core/stats/counters.h"
+
+namespace raymeter {
+
+// What a run writes down as it goes, one JSON line each, in samples.jsonl; every table is derived from these.
+
+/// How a cell ended. `unfinished` is never written: it is the lack of anything else.
+enum class Status : std::uint8_t { ok, wrong, skipped, timeout, failed, unfinished };
+[[nodiscard]] std::string_view name(Status status) noexcept;
+
+struct SceneRecord {
+  std::string scene;
+  std::string hash;
+  std::int32_t num_prims = 0;
+  std::string needs;  ///< primitive kinds and material properties that it has, separated by spaces
+  std::size_t scene_bytes = 0;
+  double load_ms = 0;
+};
+
+/// One build; its structure serves all cells of the scene with the same build parameters.
+struct BuildRecord {
+  std::string scene;
+  std::string build;  ///< the structure and those of its parameters that a build needs
+  int threads = 1;    ///< as in the matrix: 0 is all
+  double build_ms = 0;
+  BuildStats stats;
+};
+
+/// What verification found; see Accuracy in experiments/verify.
+struct AccuracyRecord {
+  std::int64_t rays_checked = 0;
+  std::int64_t false_miss = 0;
+  std::int64_t false_hit = 0;
+  std::int64_t wrong_prim = 0;
+  std::optional<double> t_ulp_p50, t_ulp_p99, t_ulp_max;
+};
+
+/// A cell before its timed passes: verified and counted, or why not.
+struct CheckRecord {
+  std::string cell;
+  Status status = Status::ok;
+  std::string reason;  ///< empty where ok
+  std::optional<std::int64_t> rays;
+  int threads = 1;       ///< that ran, "all" resolved
+  std::string hit_hash;  ///< of hits, or of which rays are blocked; empty where not traced
+  std::optional<std::int64_t> hit_mismatch;
+  std::optional<Counters> counters;
+  std::optional<AccuracyRecord> accuracy;
+};
+
+struct SampleRecord {
+  std::string cell;
+  int sample = 0;
+  std::int64_t order_index = 0;
+  double prepare_ms = 0;
+  double trace_ms = 0;  ///< prepare included
+  double cpu_ms = 0;    ///< processor time of all threads meanwhile
+  std::int64_t rays = 0;
+  bool ok = true;  ///< whether the hits were the verified ones
+};
+
+/// A cell that ends without all of its samples.
+struct EndRecord {
+  std::string cell;
+  Status status = Status::timeout;
+  std::string reason;
+};
+
+/// Everything that samples.jsonl holds.
+struct RunRecords {
+  std::map<std::string, SceneRecord> scenes;
+  std::map<std::tuple<std::string, std::string, int>, BuildRecord> builds;  ///< by scene, build and threads
+  std::map<std::string, CheckRecord> checks;
+  std::map<std::string, std::map<int, SampleRecord>> samples;  ///< by cell and number
+  std::map<std::string, EndRecord> ends;
+  std::int64_t sample_count = 0;
+
+  /// How the cell stands when `wanted` samples are to be taken.
+  [[nodiscard]] Status status(const std::string& cell, int wanted) const;
+  /// Why, where it is not ok.
+  [[nodiscard]] std::string reason(const std::string& cell) const;
+  [[nodiscard]] int samples_of(const std::string& cell) const;
+
+  void add(const SceneRecord& record) { scenes[record.scene] = record; }
+  void add(const BuildRecord& record) { builds[{record.scene, record.build, record.threads}] = record; }
+  void add(const CheckRecord& record) { checks[record.cell] = record; }
+  void add(const SampleRecord& record);
+  void add(const EndRecord& record) { ends[record.cell] = record; }
+};
+
+}  // namespace raymeter

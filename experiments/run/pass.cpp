@@ -1,0 +1,83 @@
+#include "experiments/run/pass.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <ctime>
+
+#include "core/trace/trace.h"
+
+namespace raymeter {
+
+namespace {
+
+double cpu_ms() noexcept {
+  std::timespec now{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
+}
+
+double ms_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+void mix(std::uint64_t& hash, std::uint32_t word) noexcept { hash = (hash ^ word) * 0x100000001b3u; }
+
+}  // namespace
+
+std::uint64_t Answers::hash() const noexcept {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  if (query == Query::any) {
+    for (const std::int32_t prim : blocker) mix(hash, prim >= 0 ? 1 : 0);
+    return hash;
+  }
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    mix(hash, static_cast<std::uint32_t>(hits.prim[i]));
+    for (const float value : {hits.t[i], hits.u[i], hits.v[i]}) mix(hash, std::bit_cast<std::uint32_t>(value));
+  }
+  return hash;
+}
+
+std::int64_t count_differences(const Answers& a, const Answers& b) noexcept {
+  std::int64_t count = 0;
+  if (a.query == Query::any) {
+    for (std::size_t i = 0; i < a.blocker.size(); ++i) count += (a.blocker[i] >= 0) != (b.blocker[i] >= 0) ? 1 : 0;
+    return count;
+  }
+  const auto differ = [](float x, float y) noexcept { return std::bit_cast<std::uint32_t>(x) != std::bit_cast<std::uint32_t>(y); };
+  for (std::size_t i = 0; i < a.hits.size(); ++i) {
+    const bool same =
+        a.hits.prim[i] == b.hits.prim[i] && !differ(a.hits.t[i], b.hits.t[i]) && !differ(a.hits.u[i], b.hits.u[i]) && !differ(a.hits.v[i], b.hits.v[i]);
+    count += same ? 0 : 1;
+  }
+  return count;
+}
+
+PassTime run_pass(Intersector& intersector, const RaySet& set, int threads, Answers& answers, Counters* counters) {
+  answers.query = set.query;
+  PassTime time;
+  const double cpu_before = cpu_ms();
+  const auto start = std::chrono::steady_clock::now();
+  intersector.prepare(set.rays.view());
+  time.prepare_ms = ms_since(start);
+  if (set.query == Query::closest)
+    trace_closest(intersector, set.rays, answers.hits, threads, counters);
+  else
+    trace_any(intersector, set.rays, answers.blocker, threads, counters);
+  time.trace_ms = ms_since(start);
+  time.cpu_ms = cpu_ms() - cpu_before;
+  return time;
+}
+
+double estimate_pass_s(Intersector& intersector, const RaySet& set, std::size_t sample) {
+  RaySet few;
+  few.query = set.query;
+  const std::size_t total = set.rays.size();
+  const std::size_t count = std::min(sample, total);
+  for (std::size_t i = 0; i < count; ++i) few.rays.push_back(set.rays[i * total / count]);
+  Answers answers;
+  const PassTime time = run_pass(intersector, few, 1, answers);
+  return count == 0 ? 0.0 : time.trace_ms * 1e-3 * static_cast<double>(total) / static_cast<double>(count);
+}
+
+}  // namespace raymeter

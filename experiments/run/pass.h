@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/ray/generators.h"
+#include "core/trace/intersector.h"
+
+namespace raymeter {
+
+/// What a pass over a ray set found: nearest hits, or blockers of any-hit rays.
+struct Answers {
+  Query query = Query::closest;
+  HitBatch hits;
+  Column<std::int32_t> blocker;
+
+  /// Over the bits of all hits, or over which rays are blocked: equal for all techniques on one instruction set.
+  [[nodiscard]] std::uint64_t hash() const noexcept;
+};
+
+/// Rays whose answers differ in any bit, or where only one is blocked.
+[[nodiscard]] std::int64_t count_differences(const Answers& a, const Answers& b) noexcept;
+
+struct PassTime {
+  double prepare_ms = 0;
+  double trace_ms = 0;  ///< prepare included
+  double cpu_ms = 0;
+};
+
+/// Traces the whole set once. Counters null: the timed kernels.
+PassTime run_pass(Intersector& intersector, const RaySet& rays, int threads, Answers& answers, Counters* counters = nullptr);
+
+/// About how long a pass would take on one thread, from up to `sample` of its rays.
+[[nodiscard]] double estimate_pass_s(Intersector& intersector, const RaySet& rays, std::size_t sample);
+
+}  // namespace raymeter

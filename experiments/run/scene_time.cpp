@@ -1,0 +1,78 @@
+// SceneRun: the timed passes.
+
+#include <algorithm>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "experiments/config/hash.h"
+#include "experiments/run/scene_run.h"
+
+namespace raymeter {
+
+namespace {
+
+std::uint64_t split_mix(std::uint64_t& state) noexcept {
+  std::uint64_t z = state += 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+/// 0 .. count-1 in an order that depends on the seed and the round alone.
+std::vector<std::size_t> shuffled(std::size_t count, std::uint64_t seed, int round) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::uint64_t state = seed * 0x100000001b3u + static_cast<std::uint64_t>(round);
+  for (std::size_t i = count; i > 1; --i) std::swap(order[i - 1], order[split_mix(state) % i]);
+  return order;
+}
+
+}  // namespace
+
+void SceneRun::time_all() {
+  std::erase_if(live_, [&](const Live& live) { return !unfinished(*live.cell); });
+  if (live_.empty()) return;
+  for (int round = 0; round < context_.config.measure.warmup; ++round) time_round(round, true);
+  for (int round = 0; round < context_.config.measure.samples; ++round) time_round(round, false);
+  context_.log.sync();
+}
+
+void SceneRun::time_round(int round, bool warmup) {
+  tell(warmup ? std::string("warming up") : fmt::format("round {} of {}", round + 1, context_.config.measure.samples));
+  for (const std::size_t i : shuffled(live_.size(), context_.config.seed, round)) {
+    if (context_.stop.requested()) return;
+    Live& live = live_[i];
+    const auto& samples = context_.log.records().samples;
+    const auto taken = samples.find(live.cell->id);
+    const bool has_it = !warmup && taken != samples.end() && taken->second.contains(round);
+    if (!has_it && unfinished(*live.cell)) time_pass(live, round, warmup);
+  }
+}
+
+void SceneRun::time_pass(Live& live, int round, bool warmup) {
+  const Experiment& cell = *live.cell;
+  const MeasureOptions& measure = context_.config.measure;
+  RunLog& log = context_.log;
+  if (live.spent_s + live.pass_s > measure.timeout_s) {
+    const int taken = log.records().samples_of(cell.id);
+    log.add(EndRecord{cell.id, Status::timeout, fmt::format("{} of {} samples in timeout_s = {:.6g}", taken, measure.samples, measure.timeout_s)});
+    context_.progress.add(measure.samples - taken);
+    return;
+  }
+  context_.pinning.enter(cell.threads);
+  const PassTime time = run_pass(*live.intersector, *live.rays, cell.threads, answers_);
+  context_.pinning.leave();
+  live.pass_s = time.trace_ms * 1e-3;
+  live.spent_s += live.pass_s;
+  context_.progress.add(1);
+  // Timed and counting kernels are different code: they have to agree.
+  const bool same = hex_text(answers_.hash()) == log.records().checks.at(cell.id).hit_hash;
+  if (!warmup) {
+    log.add(SampleRecord{cell.id, round, log.records().sample_count, time.prepare_ms, time.trace_ms, time.cpu_ms,
+                         static_cast<std::int64_t>(live.rays->rays.size()), same});
+  }
+  if (!same) log.add(EndRecord{cell.id, Status::wrong, "a timed pass gave other hits than the counted one"});
+}
+
+}  // namespace raymeter

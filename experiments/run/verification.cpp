@@ -1,0 +1,44 @@
+#include "experiments/run/verification.h"
+
+#include <algorithm>
+
+namespace raymeter {
+
+Verification::Verification(const Oracle* oracle, const RaySet& rays, Intersector& reference, const VerifyOptions& options, std::uint64_t seed)
+    : oracle_(oracle), rays_(rays), options_(options), seed_(seed) {
+  run_pass(reference, rays, 0, reference_);
+  if (oracle_ != nullptr) accuracy_ = ask_oracle(rays.rays, reference_);
+}
+
+Accuracy Verification::ask_oracle(const RayBatch& rays, const Answers& answers) const {
+  return answers.query == Query::closest ? verify_closest(*oracle_, rays, answers.hits, options_.max_tests, seed_, 0)
+                                         : verify_any(*oracle_, rays, answers.blocker, options_.max_tests, seed_, 0);
+}
+
+std::int64_t Verification::count_wrong_blockers(const Answers& answers) const {
+  RayBatch others;
+  Answers their;
+  their.query = Query::any;
+  for (std::size_t i = 0; i < answers.blocker.size(); ++i) {
+    if (answers.blocker[i] == reference_.blocker[i] || answers.blocker[i] < 0) continue;
+    others.push_back(rays_.rays[i]);
+    their.blocker.push_back(answers.blocker[i]);
+  }
+  return others.size() == 0 ? 0 : ask_oracle(others, their).mismatches();
+}
+
+Verdicts Verification::judge(const Answers& answers) const {
+  Verdicts verdicts;
+  const std::int64_t different = count_differences(answers, reference_);
+  verdicts.mismatches = different;
+  if (oracle_ != nullptr) {
+    verdicts.accuracy = different == 0 ? *accuracy_ : ask_oracle(rays_.rays, answers);
+    if (different == 0 && answers.query == Query::any) verdicts.accuracy->false_hit += count_wrong_blockers(answers);
+    verdicts.mismatches = std::max(different, verdicts.accuracy->mismatches());
+    verdicts.right = verdicts.accuracy->ok(options_.hit_mismatch_max);
+  }
+  if (static_cast<double>(different) > options_.hit_mismatch_max * static_cast<double>(rays_.rays.size())) verdicts.right = false;
+  return verdicts;
+}
+
+}  // namespace raymeter

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "experiments/config/config.h"
+#include "experiments/run/pass.h"
+#include "experiments/verify/verify.h"
+
+namespace raymeter {
+
+/// What verification says of a cell.
+struct Verdicts {
+  bool right = true;
+  std::int64_t mismatches = 0;       ///< rays that differ from the reference or from the truth
+  std::optional<Accuracy> accuracy;  ///< where the oracle is asked
+};
+
+/// Holds the cells of one ray set and one instruction set against a reference technique, whose answers the exact oracle has judged. Techniques agree bit for
+/// bit, so that a cell that equals the reference is as right as it; one that differs is judged itself. Blockers may differ: those that do are judged too.
+class Verification {
+public:
+  /// `oracle` may be null: no exact check.
+  Verification(const Oracle* oracle, const RaySet& rays, Intersector& reference, const VerifyOptions& options, std::uint64_t seed);
+  [[nodiscard]] Verdicts judge(const Answers& answers) const;
+
+private:
+  [[nodiscard]] Accuracy ask_oracle(const RayBatch& rays, const Answers& answers) const;
+  [[nodiscard]] std::int64_t count_wrong_blockers(const Answers& answers) const;
+
+  const Oracle* oracle_;
+  const RaySet& rays_;
+  VerifyOptions options_;
+  std::uint64_t seed_;
+  Answers reference_;
+  std::optional<Accuracy> accuracy_;
+};
+
+}  // namespace raymeter
