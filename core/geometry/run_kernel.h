@@ -49,7 +49,8 @@ inline void test_primitives(Packet<L, kGroups>& packet, const typename L::Mask* 
       const std::int32_t i = refs.index(k);
       const SurfaceHit<L> found = test(ray, hit, i);
       if (L::none(found.meets)) continue;
-      const auto closer = improves(ray, hit, found, prim[i]);
+      // Only lanes that asked: what the others would find depends on how the counting kernel skips.
+      const auto closer = wanted & improves(ray, hit, found, prim[i]);
       if (L::none(closer)) continue;
       stats.template count<Event::prim_hit, L>(closer);
       update<Q>(hit, closer, found, prim[i]);

@@ -63,10 +63,19 @@ inline void load_group(const RayView& rays, std::int32_t first, std::int32_t cou
     // Dead lanes get a harmless ray, so that no test sees their NaN.
     ray.org[a] = L::select(valid, ray.org[a], zero);
     ray.dir[a] = L::select(valid, ray.dir[a], one);
+  }
+  const Float longest = L::max(L::max(L::abs(ray.dir[0]), L::abs(ray.dir[1])), L::abs(ray.dir[2]));
+  const Float scale = L::min(L::max(L::power_of_two(longest), Float(0x1p-126f)), Float(0x1p126f));
+  ray.t_unit = one / scale;
+  for (int a = 0; a < 3; ++a) {
+    ray.dir[a] = ray.dir[a] * ray.t_unit;
     ray.inv_dir[a] = one / ray.dir[a];
     ray.negative[a] = L::negative(ray.dir[a]);
   }
-  ray.t_min = L::select(valid, t_min, zero);
+  // Where the scaled ends underflow they are rounded inwards, so that no t outside the ray's own interval passes.
+  const Float least(0x1p-149f);
+  const Float begin = t_min * scale;
+  ray.t_min = L::select(valid, L::select(begin * ray.t_unit < t_min, begin + least, begin), zero);
   ray.slab_slack = L::min(L::max(-ray.t_min, zero), Float(0x1p100f)) * Float(2 * kSlabPadding);
   ray.inv_length2 = one / L::mul_add(ray.dir[2], ray.dir[2], L::mul_add(ray.dir[1], ray.dir[1], ray.dir[0] * ray.dir[0]));
 
@@ -96,18 +105,19 @@ inline void load_group(const RayView& rays, std::int32_t first, std::int32_t cou
   }
 
   // A t beyond the largest float is no hit: an unbounded ray ends there, so that an overflow to infinity is not taken for one.
-  hit.t = L::select(valid, L::min(t_max, Float(kLargest)), Float(-kInfinity));
+  const Float end = L::min(L::min(t_max, Float(kLargest)) * scale, Float(kLargest));
+  hit.t = L::select(valid, L::select(end * ray.t_unit > t_max, end - least, end), Float(-kInfinity));
   hit.prim = Int(kNoPrim);
   hit.u = zero;
   hit.v = zero;
 }
 
 template <class L>
-inline void store_closest(const HitView& hits, std::int32_t first, std::int32_t count, const HitPacket<L>& hit) noexcept {
+inline void store_closest(const HitView& hits, std::int32_t first, std::int32_t count, const RayPacket<L>& ray, const HitPacket<L>& hit) noexcept {
   using Float = typename L::Float;
   using Int = typename L::Int;
   const auto missed = L::equal(hit.prim, Int(kNoPrim));
-  const Float t = L::select(missed, Float(kInfinity), hit.t);
+  const Float t = L::select(missed, Float(kInfinity), hit.t * ray.t_unit);
   const Int prim = L::select(missed, Int(-1), hit.prim);
   if (count == L::kWidth) {
     L::store(hits.t + first, t);
@@ -161,7 +171,7 @@ inline void for_each_packet(const TraceArgs& args, Traverse&& traverse) noexcept
       const std::int32_t begin = first + g * L::kWidth;
       const std::int32_t in_group = count - g * L::kWidth;
       const std::int32_t stored = in_group < L::kWidth ? in_group : L::kWidth;
-      if constexpr (Q == Query::closest) store_closest<L>(args.hits, begin, stored, packet.hit[g]);
+      if constexpr (Q == Query::closest) store_closest<L>(args.hits, begin, stored, packet.ray[g], packet.hit[g]);
       else store_any<L>(args.blocker, begin, stored, packet.hit[g]);
     }
   }

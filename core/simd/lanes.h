@@ -3,6 +3,7 @@
 // The one place that knows register types. A kernel is written against Lanes<I>: Float, Int, Mask and the operations below; `+ - * / < <= > >= == & | ~`
 // are those of the types themselves. Each specialisation exists only where its flags are on, so that no other file can instantiate it.
 //
+// power_of_two(a) is the largest power of two not above |a|, 0 for denormal numbers.
 // max(a, b) and min(a, b) return b when either is NaN, as the x86 instructions do: slab tests drop NaN by passing the accumulator second.
 
 #include <cstdint>
@@ -70,6 +71,7 @@ struct Lanes<Isa::scalar> {
   static Float max(Float a, Float b) noexcept { return a.value > b.value ? a : b; }
   static Float abs(Float a) noexcept { return __builtin_fabsf(a.value); }
   static Float sqrt(Float a) noexcept { return __builtin_sqrtf(a.value); }
+  static Float power_of_two(Float a) noexcept { return __builtin_bit_cast(float, __builtin_bit_cast(std::uint32_t, a.value) & 0x7F800000u); }
   static Int truncate(Float a) noexcept { return static_cast<std::int32_t>(a.value); }
   static Float to_float(Int a) noexcept { return static_cast<float>(a.value); }
   static Float mul_add(Float a, Float b, Float c) noexcept { return a.value * b.value + c.value; }
@@ -119,6 +121,7 @@ struct BatchLanes {
   static Float max(Float a, Float b) noexcept { return xsimd::max(a, b); }
   static Float abs(Float a) noexcept { return xsimd::abs(a); }
   static Float sqrt(Float a) noexcept { return xsimd::sqrt(a); }
+  static Float power_of_two(Float a) noexcept { return xsimd::bitwise_cast<Float>(xsimd::bitwise_cast<Int>(a) & Int(0x7F800000)); }
   static Int truncate(Float a) noexcept { return xsimd::to_int(a); }
   static Float to_float(Int a) noexcept { return xsimd::to_float(a); }
 
