@@ -42,20 +42,6 @@ Aabb cone_bounds(const ConePool& cones, std::size_t i) noexcept {
   return box;
 }
 
-double largest_extent(const Aabb& box) noexcept {
-  const glm::dvec3 extent = glm::dvec3(box.max) - glm::dvec3(box.min);
-  return std::max({extent.x, extent.y, extent.z});
-}
-
-Aabb grown(const Aabb& box, const glm::dvec3& padding) noexcept {
-  Aabb out;
-  for (glm::length_t a = 0; a < 3; ++a) {
-    out.min[a] = round_down(double{box.min[a]} - padding[a]);
-    out.max[a] = round_up(double{box.max[a]} + padding[a]);
-  }
-  return out;
-}
-
 }  // namespace
 
 Aabb tight_bounds(const Pools& pools, PrimRef ref) noexcept {
@@ -83,15 +69,16 @@ Aabb tight_bounds(const Pools& pools, PrimRef ref) noexcept {
   return box;
 }
 
-Aabb own_box(const Aabb& box) noexcept {
-  const double padding = double{kOwnBoxPadding} * largest_extent(box);
-  return grown(box, {padding, padding, padding});
-}
-
 Aabb padded(const Aabb& box) noexcept {
-  const double extent = largest_extent(box);
-  const auto reach = [&](glm::length_t a) noexcept { return std::max({extent, std::abs(double{box.min[a]}), std::abs(double{box.max[a]})}); };
-  return grown(box, double{kBoundsPadding} * glm::dvec3(reach(0), reach(1), reach(2)));
+  const glm::dvec3 extent = glm::dvec3(box.max) - glm::dvec3(box.min);
+  const double largest_extent = std::max({extent.x, extent.y, extent.z});
+  Aabb out = box;
+  for (glm::length_t a = 0; a < 3; ++a) {
+    const double padding = double{kBoundsPadding} * std::max({largest_extent, std::abs(double{box.min[a]}), std::abs(double{box.max[a]})});
+    out.min[a] = round_down(double{box.min[a]} - padding);
+    out.max[a] = round_up(double{box.max[a]} + padding);
+  }
+  return out;
 }
 
 }  // namespace raymeter

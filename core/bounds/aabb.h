@@ -35,8 +35,6 @@ struct Aabb {
 
 /// Smallest float box around a primitive (true extents of spheres and cones, rounded outwards).
 [[nodiscard]] Aabb tight_bounds(const Pools& pools, PrimRef ref) noexcept;
-/// The box grown by kOwnBoxPadding: what a kernel clamps its hits to.
-[[nodiscard]] Aabb own_box(const Aabb& box) noexcept;
 /// The box grown by kBoundsPadding of its largest extent, and on each axis at least of its largest |coordinate|: what structures are built from, so that
 /// culling never loses a hit (error_bounds.h), even by cells whose borders are computed from coordinates.
 [[nodiscard]] Aabb padded(const Aabb& box) noexcept;

@@ -47,7 +47,8 @@ template <class L, bool kUniform>
   return {L::mul_add(t_near, Float(1.0f - kSlabPadding), -ray.slab_slack), L::mul_add(t_far, Float(1.0f + kSlabPadding), ray.slab_slack)};
 }
 
-/// Where the line is inside a primitive's own box, for kernels that clamp t to it; t may have either sign. low and high: the box minus the origin.
+/// Where the line is inside a primitive's own box, for kernels that clamp t to it (kOwnBoxPadding in error_bounds.h); t may have either sign.
+/// low and high: the box minus the origin, grown.
 template <class L>
 inline SlabInterval<L> line_in_own_box(const RayPacket<L>& ray, const typename L::Float (&low)[3], const typename L::Float (&high)[3]) noexcept {
   using Float = typename L::Float;
@@ -60,12 +61,19 @@ inline SlabInterval<L> line_in_own_box(const RayPacket<L>& ray, const typename L
   return {L::neg_mul_add(padding, L::abs(t_near), t_near), L::mul_add(padding, L::abs(t_far), t_far)};
 }
 
-/// The same for box i of columns that hold own_box().
+/// The same for box i of columns that hold tight boxes.
 template <class L>
 inline SlabInterval<L> line_in_own_box(const RayPacket<L>& ray, const float* const* box_min, const float* const* box_max, std::int32_t i) noexcept {
   using Float = typename L::Float;
-  const Float low[3] = {Float(box_min[0][i]) - ray.org[0], Float(box_min[1][i]) - ray.org[1], Float(box_min[2][i]) - ray.org[2]};
-  const Float high[3] = {Float(box_max[0][i]) - ray.org[0], Float(box_max[1][i]) - ray.org[1], Float(box_max[2][i]) - ray.org[2]};
+  float extent = 0;
+  for (int a = 0; a < 3; ++a) extent = box_max[a][i] - box_min[a][i] > extent ? box_max[a][i] - box_min[a][i] : extent;
+  // Added after the origin has been subtracted: far from the world's origin the box itself has no room for so little.
+  const Float padding(kOwnBoxPadding * extent);
+  Float low[3], high[3];
+  for (int a = 0; a < 3; ++a) {
+    low[a] = Float(box_min[a][i]) - ray.org[a] - padding;
+    high[a] = Float(box_max[a][i]) - ray.org[a] + padding;
+  }
   return line_in_own_box<L>(ray, low, high);
 }
 

@@ -7,7 +7,7 @@
 // ray is the rounding of f, of the perpendicular and of r^2: 3 roundings of |f| + r. Along the ray, t adds 10 for the far root, and the product of the roots
 // 4 (|f| + r) more for the near one; at grazing incidence the latter is large along the ray but not away from the sphere. Together less than kSurfaceError.
 // A far small sphere seen at its silhouette could be met beside its box by the second-order term: t is clamped to the ray's interval in the box, and a ray that
-// passes beside it misses. Boundary band: rays that pass within kSurfaceError of the silhouette. |dir| must be in 2^-63..2^63, else its square leaves the range.
+// passes beside it misses. Boundary band: rays that pass within kSurfaceError of the silhouette.
 
 #include "core/bounds/slab_kernel.h"
 #include "core/ray/ray_packet.h"

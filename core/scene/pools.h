@@ -36,7 +36,7 @@ struct PolygonPool {
   FloatColumns3 vertex;
   Column<std::int32_t> first_vertex;  ///< one more than polygons: the last is the end
   FloatColumns3 normal;               ///< Newell's, not normalised
-  FloatColumns3 box_min;              ///< own_box()
+  FloatColumns3 box_min;              ///< tight_bounds()
   FloatColumns3 box_max;
   Column<std::int32_t> prim;
   [[nodiscard]] std::size_t size() const noexcept { return prim.size(); }
@@ -46,7 +46,7 @@ struct ConePool {
   FloatColumns3 base;
   FloatColumns3 axis;                   ///< apex - base
   std::array<Column<float>, 2> radius;  ///< base, apex
-  FloatColumns3 box_min;                ///< own_box()
+  FloatColumns3 box_min;                ///< tight_bounds()
   FloatColumns3 box_max;
   Column<std::int32_t> prim;
   [[nodiscard]] std::size_t size() const noexcept { return prim.size(); }

@@ -120,7 +120,6 @@ void Scene::add_polygon(std::span<const glm::dvec3> vertices) {
     box.grow(glm::vec3(p));
     push(pool.vertex, p);
   }
-  box = own_box(box);
   const double largest = std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)});
   if (largest > 0) normal /= largest;  // only its direction matters; its length could underflow
   push(pool.normal, normal);
@@ -140,7 +139,7 @@ void Scene::add_cone(const glm::dvec3& base, double base_radius, const glm::dvec
   push(pool.axis, axis);
   pool.radius[0].push_back(static_cast<float>(base_radius));
   pool.radius[1].push_back(static_cast<float>(apex_radius));
-  const Aabb box = own_box(tight_bounds(pools_, prim_ref(PrimKind::cone, pool.size() - 1)));
+  const Aabb box = tight_bounds(pools_, prim_ref(PrimKind::cone, pool.size() - 1));
   push(pool.box_min, glm::dvec3(box.min));
   push(pool.box_max, glm::dvec3(box.max));
   add_prim(PrimKind::cone, pool.size() - 1);
