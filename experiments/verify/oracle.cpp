@@ -42,6 +42,11 @@ Facet facet_of(const Pools& pools, PrimRef ref, std::int32_t prim, const RaySpac
   return facet;
 }
 
+/// t of a facet whose outline the ray passes.
+double border_depth(const Pools& pools, PrimRef ref, const Facet& facet, const Ray& ray) {
+  return ref.kind() == PrimKind::polygon ? depth(polygon_at(pools, ref.index), point(ray.org), point(ray.dir)) : facet.border_depth();
+}
+
 TrueHits hits_of(const Pools& pools, PrimRef ref, const Ray& ray) {
   switch (ref.kind()) {
     case PrimKind::sphere: return true_hits(ray, sphere_at(pools, ref.index));
@@ -169,7 +174,7 @@ bool Oracle::hit_is_due(const Ray& ray, const Near& near, double t_end) const {
   for (const auto& group : covering_groups(near.border)) {
     const bool due = std::all_of(group.begin(), group.end(), [&](std::size_t i) {
       const Facet& facet = near.border[i];
-      const double t = facet.border_depth();
+      const double t = border_depth(scene_.pools(), scene_.prim(facet.prim), facet, ray);
       return t > t_min && t < t_end && !reaches(ray, facet.prim, t, t_min) && !reaches(ray, facet.prim, t, t_end);
     });
     if (due) return true;
@@ -208,7 +213,7 @@ Check Oracle::any(const Ray& ray, std::int32_t blocker) const {
     const Facet facet = facet_of(scene_.pools(), ref, blocker, RaySpace(ray));
     const Facet::Place place = facet.place();
     if (place == Facet::Place::outside) return {Verdict::false_hit};
-    if (place == Facet::Place::border) approaches.push_back(facet.border_depth());
+    if (place == Facet::Place::border) approaches.push_back(border_depth(scene_.pools(), ref, facet, ray));
   } else if (ref.kind() == PrimKind::cone) {
     for (const double t : near_approaches(cone_at(scene_.pools(), ref.index), org, dir)) approaches.push_back(t);
   } else {

@@ -77,11 +77,10 @@ TrueHits true_hits(const Ray& ray, const PolygonShape& polygon, Arithmetic arith
   });
 }
 
-double distance(const PolygonShape& polygon, const Point& org, const Point& dir, double t) noexcept {
-  const Point normal = point(polygon.normal);
-  const auto& first = polygon.vertex[0];
-  const double normal_length = length(normal), dir_length = length(dir);
-  const double height = dot(normal, minus({double{first[0]}, double{first[1]}, double{first[2]}}, org)), slope = dot(normal, dir);
+namespace {
+
+/// Where the line is inside the bounding box; beside it, between the ends that fail to meet.
+std::array<double, 2> in_box(const PolygonShape& polygon, const Point& org, const Point& dir) noexcept {
   double near = -std::numeric_limits<double>::infinity(), far = -near;
   for (std::size_t a = 0; a < 3; ++a) {
     if (dir[a] == 0) continue;
@@ -90,11 +89,32 @@ double distance(const PolygonShape& polygon, const Point& org, const Point& dir,
     near = std::max(near, std::min(t0, t1));
     far = std::min(far, std::max(t0, t1));
   }
-  if (near > far) std::swap(near, far);  // a ray in the band, just beside the box
-  const double plane = std::abs(height - slope * t) / normal_length;
-  const double meant = slope != 0 ? std::clamp(height / slope, near, far) : near;
-  const double outside = std::max({near - t, t - far, 0.0});
-  return std::max(std::min(plane, std::abs(t - meant) * dir_length), outside * dir_length);
+  return near <= far ? std::array{near, far} : std::array{far, near};
+}
+
+/// Distance of org from the plane along the normal, and its change per unit of t.
+std::array<double, 2> from_plane(const PolygonShape& polygon, const Point& org, const Point& dir) noexcept {
+  const auto& first = polygon.vertex[0];
+  const Point normal = point(polygon.normal);
+  const double normal_length = length(normal);
+  if (normal_length == 0) return {0, 0};
+  return {dot(normal, minus({double{first[0]}, double{first[1]}, double{first[2]}}, org)) / normal_length, dot(normal, dir) / normal_length};
+}
+
+}  // namespace
+
+double depth(const PolygonShape& polygon, const Point& org, const Point& dir) noexcept {
+  const auto [near, far] = in_box(polygon, org, dir);
+  const auto [height, slope] = from_plane(polygon, org, dir);
+  return slope != 0 ? std::clamp(height / slope, near, far) : near;
+}
+
+double distance(const PolygonShape& polygon, const Point& org, const Point& dir, double t) noexcept {
+  const auto [near, far] = in_box(polygon, org, dir);
+  const auto [height, slope] = from_plane(polygon, org, dir);
+  const double along_ray = std::abs(t - depth(polygon, org, dir)) * length(dir);
+  const double outside = std::max({near - t, t - far, 0.0}) * length(dir);
+  return std::max(std::min(std::abs(height - slope * t), along_ray), outside);
 }
 
 }  // namespace raymeter::verify

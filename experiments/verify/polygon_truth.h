@@ -18,6 +18,8 @@ struct PolygonShape {
 
 /// A line along which the outline is seen edge-on misses.
 [[nodiscard]] TrueHits true_hits(const Ray& ray, const PolygonShape& polygon, Arithmetic arithmetic = Arithmetic::filtered);
+/// t of the plane, moved into the bounding box; for a ray just beside the outline too.
+[[nodiscard]] double depth(const PolygonShape& polygon, const Point& org, const Point& dir) noexcept;
 /// For a ray that passes through the outline: how far org + t dir is from the plane, or from the box where the box cuts the plane off.
 [[nodiscard]] double distance(const PolygonShape& polygon, const Point& org, const Point& dir, double t) noexcept;
 
