@@ -1,0 +1,363 @@
+// What every row of the table of techniques must keep, on every instruction set, scene and packet size, with its default parameters and others.
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <ostream>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "accel/registry.h"
+#include "core/trace/trace.h"
+#include "experiments/verify/verify.h"
+#include "tests/support/test_rays.h"
+#include "tests/support/test_scenes.h"
+
+namespace raymeter {
+namespace {
+
+using Blockers = Column<std::int32_t>;
+
+struct Case {
+  const StructureEntry* entry;
+  Isa isa;
+};
+
+std::vector<Case> all_cases() {
+  std::vector<Case> cases;
+  for (const StructureEntry& entry : structures()) {
+    for (const Isa isa : kIsas) cases.push_back({&entry, isa});
+  }
+  return cases;
+}
+
+std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.entry->name << '_' << name(c.isa); }
+
+std::vector<int> packet_sizes(Isa isa) {
+  std::set<int> sizes{1, 3, simd_width(isa), 2 * simd_width(isa), 16, kMaxPacket};
+  return {sizes.begin(), sizes.end()};
+}
+
+const std::vector<Scene>& scenes() {
+  static const std::vector<Scene> scenes = test::hard_scenes();
+  return scenes;
+}
+
+const Scene& scene_named(std::string_view name) {
+  const auto at = std::ranges::find(scenes(), name, &Scene::name);
+  if (at == scenes().end()) throw Error("no scene '" + std::string(name) + "'");
+  return *at;
+}
+
+/// Other values of a parameter: all choices, both switches, the least number and three times the default.
+std::vector<ParamValue> other_values(const ParamInfo& info) {
+  std::vector<ParamValue> values;
+  if (const auto* flag = std::get_if<bool>(&info.default_value)) values.emplace_back(!*flag);
+  if (const auto* whole = std::get_if<std::int64_t>(&info.default_value)) {
+    for (const double number : {info.min, std::clamp(3.0 * static_cast<double>(*whole), info.min, info.max)}) values.emplace_back(static_cast<std::int64_t>(number));
+  }
+  if (const auto* number = std::get_if<double>(&info.default_value)) {
+    for (const double other : {info.min, std::clamp(3 * *number, info.min, info.max)}) values.emplace_back(other);
+  }
+  for (const std::string_view choice : info.choices) values.emplace_back(std::string(choice));
+  std::erase(values, info.default_value);
+  return values;
+}
+
+/// The technique with its defaults first, then with one parameter changed at a time.
+std::vector<ParamValues> variants(const StructureEntry& entry) {
+  std::vector<ParamValues> out{entry.resolve({})};
+  for (const ParamInfo& info : entry.params()) {
+    for (const ParamValue& value : other_values(info)) {
+      try {
+        out.push_back(entry.resolve({{std::string(info.key), value}}));
+      } catch (const Error&) {
+        // A value that needs another parameter to go with it is for the technique's own tests.
+      }
+    }
+  }
+  return out;
+}
+
+std::string text(const ParamValues& values) {
+  std::string out;
+  for (const auto& [key, value] : values) out += key + "=" + to_string(value) + " ";
+  return out;
+}
+
+struct Traced {
+  HitBatch hits;
+  Blockers blockers;
+  Counters closest, any;
+};
+
+/// Both queries, timed and counted kernels; the two must agree.
+Traced trace(const Structure& structure, const QueryOptions& options, const RayBatch& rays, int threads = 1) {
+  const auto intersector = structure.intersector(options);
+  Traced out, timed;
+  intersector->prepare(rays.view());
+  trace_closest(*intersector, rays, out.hits, threads, &out.closest);
+  trace_any(*intersector, rays, out.blockers, threads, &out.any);
+  trace_closest(*intersector, rays, timed.hits, threads);
+  trace_any(*intersector, rays, timed.blockers, threads);
+  EXPECT_TRUE(bits_equal(out.hits, timed.hits)) << "timed and counted kernels differ";
+  EXPECT_TRUE(std::ranges::equal(out.blockers.span(), timed.blockers.span())) << "timed and counted kernels differ";
+  return out;
+}
+
+/// The reference: the list, one ray at a time.
+Traced trace_list(const Scene& scene, Isa isa, const RayBatch& rays) {
+  const StructureEntry& list = structure_entry("list");
+  const ParamValues params = list.resolve({});
+  return trace(*list.build(scene, params, 1), {isa, 1, params}, rays);
+}
+
+/// A scene's rays and what the list finds, per instruction set.
+struct Reference {
+  RayBatch rays;
+  Traced list;
+
+  Reference(const Scene& scene, Isa isa) : rays(test::hard_rays(scene, 7)) {
+    const RayBatch coherent = test::coherent_rays(scene);
+    for (std::size_t i = 0; i < coherent.size(); ++i) rays.push_back(coherent[i]);
+    const RayBatch cut = test::cut_at_hits(rays, trace_list(scene, isa, rays).hits);
+    for (std::size_t i = 0; i < cut.size(); ++i) rays.push_back(cut[i]);
+    list = trace_list(scene, isa, rays);
+  }
+};
+
+void expect_same_hits(const HitBatch& hits, const HitBatch& expected, const RayBatch& rays) {
+  if (bits_equal(hits, expected)) return;
+  int shown = 0, different = 0;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const bool same = std::bit_cast<std::uint32_t>(hits.t[i]) == std::bit_cast<std::uint32_t>(expected.t[i]) && hits.prim[i] == expected.prim[i] &&
+                      std::bit_cast<std::uint32_t>(hits.u[i]) == std::bit_cast<std::uint32_t>(expected.u[i]) &&
+                      std::bit_cast<std::uint32_t>(hits.v[i]) == std::bit_cast<std::uint32_t>(expected.v[i]);
+    if (same) continue;
+    ++different;
+    if (shown++ > 2) continue;
+    const Ray ray = rays[i];
+    ADD_FAILURE() << std::hexfloat << "ray " << i << ": t " << hits.t[i] << " prim " << hits.prim[i] << ", the list has t " << expected.t[i] << " prim "
+                  << expected.prim[i] << "; org " << ray.org[0] << ' ' << ray.org[1] << ' ' << ray.org[2] << " dir " << ray.dir[0] << ' ' << ray.dir[1] << ' '
+                  << ray.dir[2] << " in " << ray.t_min << ' ' << ray.t_max;
+  }
+  ADD_FAILURE() << different << " of " << hits.size() << " hits differ from the list's";
+}
+
+/// Blocked exactly where a nearest hit exists, by a primitive that the oracle accepts. `accepted` remembers (ray, blocker) pairs.
+void expect_blockers(const Blockers& blockers, const HitBatch& hits, const RayBatch& rays, const Oracle& oracle, std::set<std::pair<std::size_t, int>>& accepted) {
+  for (std::size_t i = 0; i < blockers.size(); ++i) {
+    ASSERT_EQ(blockers[i] >= 0, hits.prim[i] >= 0) << "ray " << i;
+    if (blockers[i] < 0 || blockers[i] == hits.prim[i] || !accepted.insert({i, blockers[i]}).second) continue;
+    ASSERT_EQ(oracle.any(rays[i], blockers[i]).verdict, Verdict::correct) << "ray " << i << " blocker " << blockers[i];
+  }
+}
+
+void expect_sane(const Counters& counters, int width, std::size_t rays) {
+  EXPECT_EQ(counters.ray_count, rays);
+  for (std::size_t e = 0; e < kEventCount; ++e) {
+    EXPECT_LE(counters.rays[e], counters.packets[e] * static_cast<std::uint64_t>(width)) << "event " << e;
+  }
+  EXPECT_LE(counters.live(Event::prim_hit), counters.live(Event::prim_test));
+  EXPECT_LE(counters.live(Event::cache_hit), counters.live(Event::cache_test));
+  EXPECT_LE(counters.live(Event::empty_leaf_visit), counters.live(Event::leaf_visit));
+}
+
+class Conformance : public testing::TestWithParam<Case> {
+protected:
+  void SetUp() override {
+    if (!available(GetParam().isa)) GTEST_SKIP() << name(GetParam().isa) << " is not available on this machine";
+  }
+};
+
+TEST_P(Conformance, AgreesWithTheListBitForBit) {
+  const auto& [entry, isa] = GetParam();
+  const std::vector<ParamValues> params = variants(*entry);
+  for (const Scene& scene : scenes()) {
+    const Reference reference(scene, isa);
+    const Oracle oracle(scene);
+    std::set<std::pair<std::size_t, int>> accepted;
+    for (const ParamValues& values : params) {
+      const bool is_default = &values == &params.front();
+      if (!is_default && scene.prim_count() > 250) continue;  // for time's sake
+      const auto structure = entry->build(scene, values, 1);
+      const std::vector<int> sizes = packet_sizes(isa);
+      for (const int packet : sizes) {
+        if (!is_default && packet != 3 && packet != sizes.back()) continue;  // a partial register and the largest packet tell enough
+        SCOPED_TRACE(scene.name + ", " + text(values) + "packet " + std::to_string(packet));
+        const Traced traced = trace(*structure, {isa, packet, values}, reference.rays);
+        expect_same_hits(traced.hits, reference.list.hits, reference.rays);
+        expect_blockers(traced.blockers, reference.list.hits, reference.rays, oracle, accepted);
+        expect_sane(traced.closest, simd_width(isa), reference.rays.size());
+        expect_sane(traced.any, simd_width(isa), reference.rays.size());
+        if (HasFailure()) return;
+      }
+    }
+  }
+}
+
+TEST_P(Conformance, CountsAndHitsDoNotDependOnThreads) {
+  const auto& [entry, isa] = GetParam();
+  for (const char* scene_name : {"mixed", "icosphere"}) {
+    const Scene& scene = scene_named(scene_name);
+    RayBatch rays = test::hard_rays(scene, 3);
+    const std::size_t once = rays.size();
+    for (std::size_t i = 0; i < 7 * once; ++i) rays.push_back(rays[i % once]);
+    const ParamValues values = entry->resolve({});
+    const auto structure = entry->build(scene, values, 1);
+    for (const int packet : {simd_width(isa), kMaxPacket}) {
+      const QueryOptions options{isa, packet, values};
+      const Traced one = trace(*structure, options, rays, 1);
+      for (const int threads : {2, 7}) {
+        SCOPED_TRACE(scene.name + ", packet " + std::to_string(packet) + ", threads " + std::to_string(threads));
+        const Traced many = trace(*structure, options, rays, threads);
+        expect_same_hits(many.hits, one.hits, rays);
+        EXPECT_TRUE(std::ranges::equal(many.blockers.span(), one.blockers.span()));
+        EXPECT_EQ(many.closest, one.closest);
+        EXPECT_EQ(many.any, one.any);
+        const auto built_by_many = entry->build(scene, values, threads);
+        const Traced rebuilt = trace(*built_by_many, options, rays, threads);
+        expect_same_hits(rebuilt.hits, one.hits, rays);
+        EXPECT_EQ(rebuilt.closest, one.closest) << "the structure depends on the threads that built it";
+      }
+    }
+  }
+}
+
+TEST_P(Conformance, BatchesOfAnySize) {
+  const auto& [entry, isa] = GetParam();
+  const Scene& scene = scene_named("mixed");
+  const ParamValues values = entry->resolve({});
+  const auto structure = entry->build(scene, values, 1);
+  const std::size_t width = static_cast<std::size_t>(simd_width(isa));
+  const RayBatch all = test::hard_rays(scene, 5);
+  ASSERT_GT(all.size(), 1025u);
+  for (const std::size_t size : std::set<std::size_t>{0, 1, width - 1, width, width + 1, 2 * width + 1, 1023, 1025}) {
+    RayBatch rays;
+    for (std::size_t i = 0; i < size; ++i) rays.push_back(all[i]);
+    const Traced expected = trace_list(scene, isa, rays);
+    for (const int packet : packet_sizes(isa)) {
+      SCOPED_TRACE("size " + std::to_string(size) + ", packet " + std::to_string(packet));
+      const Traced traced = trace(*structure, {isa, packet, values}, rays);
+      EXPECT_EQ(traced.hits.size(), size);
+      expect_same_hits(traced.hits, expected.hits, rays);
+    }
+  }
+}
+
+TEST_P(Conformance, PacketsShareTheirNodeVisits) {
+  const auto& [entry, isa] = GetParam();
+  if (simd_width(isa) == 1) GTEST_SKIP() << "a register of one lane shares nothing";
+  const Scene& scene = scene_named("mixed");
+  const RayBatch rays = test::coherent_rays(scene);
+  const ParamValues values = entry->resolve({});
+  const auto structure = entry->build(scene, values, 1);
+  for (const int packet : {4, kMaxPacket}) {
+    const Traced traced = trace(*structure, {isa, packet, values}, rays);
+    if (traced.closest.live(Event::node_visit) == 0) GTEST_SKIP() << entry->name << " has no nodes";
+    EXPECT_LT(traced.closest.executed(Event::node_visit), traced.closest.live(Event::node_visit)) << "packet " << packet;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Techniques, Conformance, testing::ValuesIn(all_cases()), testing::PrintToStringParamName());
+
+std::string isa_name(const testing::TestParamInfo<Isa>& isa) { return std::string(name(isa.param)); }
+
+/// What the list must keep, since all others are held against it.
+class ListConformance : public testing::TestWithParam<Isa> {
+protected:
+  void SetUp() override {
+    if (!available(GetParam())) GTEST_SKIP() << name(GetParam()) << " is not available on this machine";
+  }
+};
+
+TEST_P(ListConformance, IsCorrectByTheOracle) {
+  for (const Scene& scene : scenes()) {
+    SCOPED_TRACE(scene.name);
+    const Oracle oracle(scene);
+    const Reference reference(scene, GetParam());
+    const RayBatch& rays = reference.rays;
+    int shown = 0;
+    for (std::size_t i = 0; i < rays.size() && shown < 3; ++i) {
+      const Verdict verdict = oracle.closest(rays[i], reference.list.hits.t[i], reference.list.hits.prim[i]).verdict;
+      if (verdict == Verdict::correct) continue;
+      ++shown;
+      const Ray ray = rays[i];
+      ADD_FAILURE() << std::hexfloat << "verdict " << static_cast<int>(verdict) << " for t " << reference.list.hits.t[i] << " prim " << reference.list.hits.prim[i]
+                    << " of ray " << i << ": org " << ray.org[0] << ' ' << ray.org[1] << ' ' << ray.org[2] << " dir " << ray.dir[0] << ' ' << ray.dir[1] << ' '
+                    << ray.dir[2] << " in " << ray.t_min << ' ' << ray.t_max;
+    }
+    const Accuracy any = verify_any(oracle, rays, reference.list.blockers, std::numeric_limits<double>::infinity(), 1, 1);
+    EXPECT_EQ(any.mismatches(), 0);
+    EXPECT_EQ(any.rays_checked, static_cast<std::int64_t>(rays.size()));
+  }
+}
+
+TEST_P(ListConformance, IntervalsAreClosed) {
+  for (const Scene& scene : scenes()) {
+    SCOPED_TRACE(scene.name);
+    const RayBatch rays = test::hard_rays(scene, 7);
+    const HitBatch hits = trace_list(scene, GetParam(), rays).hits;
+    RayBatch ends;
+    std::vector<std::size_t> of;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      if (hits.prim[i] < 0) continue;
+      Ray ray = rays[i];
+      ray.t_max = hits.t[i];
+      ends.push_back(ray);
+      ray.t_min = hits.t[i];
+      ends.push_back(ray);
+      of.insert(of.end(), 2, i);
+    }
+    const HitBatch at_ends = trace_list(scene, GetParam(), ends).hits;
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      ASSERT_EQ(at_ends.t[k], hits.t[of[k]]) << "ray " << of[k];
+      ASSERT_EQ(at_ends.prim[k], hits.prim[of[k]]) << "ray " << of[k];
+    }
+  }
+}
+
+TEST_P(ListConformance, InvalidRaysMissAndZeroHasNoSign) {
+  for (const Scene& scene : scenes()) {
+    SCOPED_TRACE(scene.name);
+    const RayBatch rays = test::hard_rays(scene, 7);
+    RayBatch flipped;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      Ray ray = rays[i];
+      for (float* x : {&ray.org[0], &ray.org[1], &ray.org[2], &ray.dir[0], &ray.dir[1], &ray.dir[2], &ray.t_min, &ray.t_max}) {
+        if (*x == 0) *x = -*x;
+      }
+      flipped.push_back(ray);
+    }
+    const Traced traced = trace_list(scene, GetParam(), rays);
+    expect_same_hits(trace_list(scene, GetParam(), flipped).hits, traced.hits, rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      EXPECT_FALSE(std::signbit(traced.hits.t[i]) && traced.hits.t[i] == 0);
+      if (test::valid(rays[i])) continue;
+      ASSERT_EQ(traced.hits.prim[i], -1);
+      ASSERT_EQ(traced.hits.t[i], std::numeric_limits<float>::infinity());
+      ASSERT_EQ(traced.hits.u[i], 0);
+      ASSERT_EQ(traced.hits.v[i], 0);
+      ASSERT_EQ(traced.blockers[i], -1);
+    }
+  }
+}
+
+TEST_P(ListConformance, TiesGoToTheSmallestId) {
+  for (const char* coincident : {"coincident spheres", "coincident triangles"}) {
+    const Reference reference(scene_named(coincident), GetParam());
+    int met = 0;
+    for (const std::int32_t prim : reference.list.hits.prim) {
+      EXPECT_LE(prim, 0);
+      met += prim == 0;
+    }
+    EXPECT_GT(met, 500);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(List, ListConformance, testing::ValuesIn(kIsas), isa_name);
+
+}  // namespace
+}  // namespace raymeter
