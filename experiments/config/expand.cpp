@@ -97,7 +97,25 @@ Shard parse_shard(const std::string& text) {
   throw Error("--shard: expected I/N with I from 1 to N, got '" + text + "'");
 }
 
+double cell_count(const Config& config) noexcept {
+  const Matrix& m = config.matrix;
+  double count = 0;
+  for (const StructureAxis& axis : m.structure) {
+    double product = 1;
+    for (const auto& [key, values] : axis.params) product *= static_cast<double>(values.size());
+    count += product;
+  }
+  for (const std::size_t size : {m.scene.size(), m.first_hit.size(), m.occlusion.size(), m.max_depth.size(), m.min_weight.size(), m.isa.size(), m.packet.size(),
+                                 m.rays.size(), m.threads.size()}) {
+    count *= static_cast<double>(size);
+  }
+  return count;
+}
+
 std::vector<Experiment> expand(const Config& config, const Pattern& filter, const Shard& shard) {
+  constexpr double kMaxCells = 1e6;
+  if (const double count = cell_count(config); count > kMaxCells)
+    throw Error(fmt::format("{}: matrix has {:g} cells, expected at most {:g}", config.path, count, kMaxCells));
   std::vector<Experiment> cells;
   std::set<std::string> seen;
   for (std::size_t s = 0; s < config.matrix.scene.size(); ++s) {

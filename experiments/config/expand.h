@@ -15,7 +15,11 @@ struct Shard {
 /// Reads "I/N", I from 1; throws Error.
 [[nodiscard]] Shard parse_shard(const std::string& text);
 
+/// Cells of a config before anything is excluded.
+[[nodiscard]] double cell_count(const Config& config) noexcept;
+
 /// The cells of a config: the product of its lists without what it excludes, then those of `filter` and `shard`. Every cell once, scene by scene.
+/// Throws Error where the product has more than a million cells.
 [[nodiscard]] std::vector<Experiment> expand(const Config& config, const Pattern& filter = {}, const Shard& shard = {});
 
 /// The canonical JSON of a cell, from which its id is made.

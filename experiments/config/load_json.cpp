@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "experiments/in_quotes.h"
 
 namespace raymeter {
 
@@ -37,11 +38,25 @@ Json& step(Json& json, std::string_view part, const std::string& setting) {
   return *next;
 }
 
+/// Refuses what no config needs: levels and lengths that would exhaust the stack of what walks the document or matches a pattern, and texts that would break
+/// a message's line.
+void check_limits(int depth, Json::parse_event_t event, const Json& parsed) {
+  constexpr int kMaxDepth = 32;
+  constexpr std::size_t kMaxLength = 4096;
+  if (depth > kMaxDepth) throw Error(fmt::format("nested deeper than {} levels", kMaxDepth));
+  if ((event != Json::parse_event_t::key && event != Json::parse_event_t::value) || !parsed.is_string()) return;
+  const std::string& text = parsed.get_ref<const std::string&>();
+  if (text.size() > kMaxLength) throw Error(fmt::format("{} has more than {} bytes", in_quotes(text), kMaxLength));
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' '; };
+  if (std::any_of(text.begin(), text.end(), is_control)) throw Error(fmt::format("{} has a control character", in_quotes(text)));
+}
+
 }  // namespace
 
 Json load_json(std::string_view text) {
   std::vector<std::set<std::string>> keys;
-  const auto once = [&](int, Json::parse_event_t event, Json& parsed) {
+  const auto check = [&](int depth, Json::parse_event_t event, Json& parsed) {
+    check_limits(depth, event, parsed);
     if (event == Json::parse_event_t::object_start) keys.emplace_back();
     if (event == Json::parse_event_t::object_end) keys.pop_back();
     if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second) {
@@ -50,12 +65,14 @@ Json load_json(std::string_view text) {
     return true;
   };
   try {
-    return Json::parse(text, once, true, true);
+    return Json::parse(text, check, true, true);
   } catch (const Json::parse_error& error) {
     std::string_view what = error.what();
     const std::size_t detail = what.find(": ");
     what = detail == std::string_view::npos ? what : what.substr(detail + 2);
     throw Error(fmt::format("line {}: not JSON: {}", line_of(text, error.byte), what));
+  } catch (const Json::out_of_range&) {
+    throw Error("not JSON: a number is out of range");
   }
 }
 
@@ -70,7 +87,11 @@ void apply_setting(Json& document, const std::string& setting) {
     target = &step(*target, part, setting);
   }
   const std::string text = setting.substr(equals + 1);
-  Json value = Json::parse(text, nullptr, false);
+  const auto check = [](int depth, Json::parse_event_t event, Json& parsed) {
+    check_limits(depth, event, parsed);
+    return true;
+  };
+  Json value = Json::parse(text, check, false);
   *target = value.is_discarded() ? Json(text) : std::move(value);
 }
 

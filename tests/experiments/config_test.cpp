@@ -80,6 +80,10 @@ TEST(Config, SaysWhichTechniqueOrSceneIsUnknown) {
 TEST(Config, SaysWhereItIsNotJson) {
   EXPECT_EQ(message("{\n\"name\": }").substr(0, 25), "c.json: line 2: not JSON:");
   EXPECT_EQ(message(R"({"name": "n", "name": "m"})"), "c.json: key 'name' stands twice in one object");
+  EXPECT_EQ(message(R"({"seed": 1e999})"), "c.json: not JSON: a number is out of range");
+  EXPECT_EQ(message(R"({"na\nme": 1})"), "c.json: 'na\\x0ame' has a control character");
+  EXPECT_EQ(message("{\"name\": " + std::string(100000, '[') + std::string(100000, ']') + "}"), "c.json: nested deeper than 32 levels");
+  EXPECT_EQ(message(R"({"name": ")" + std::string(5000, 'a') + "\"}"), "c.json: '" + std::string(40, 'a') + "...' has more than 4096 bytes");
   EXPECT_EQ(message("{}"), "c.json: name: is missing");
 }
 
@@ -102,6 +106,16 @@ TEST(Expand, MultipliesAllLists) {
     "structure": [{"name": "list"}, {"name": "bvh", "bins": [8, 16, 32], "max_leaf_size": [4, 8]}],
     "isa": ["scalar", "avx2"], "packet": [1, 8, 16], "rays": ["primary", "shadow"], "threads": [1, "all"]}})";
   EXPECT_EQ(expand(parse(text)).size(), std::size_t{2 * (1 + 6) * 2 * 3 * 2 * 2});
+}
+
+TEST(Expand, RefusesMoreThanAMillionCells) {
+  const auto ones = [](int count) {
+    std::string list = "[1";
+    for (int i = 1; i < count; ++i) list += ", 1";
+    return list + "]";
+  };
+  const std::string matrix = R"(, "packet": )" + ones(1001) + R"(, "threads": )" + ones(1000);
+  EXPECT_EQ(message(config(matrix)), "c.json: matrix has 2.002e+06 cells, expected at most 1e+06");
 }
 
 TEST(Expand, MakesEveryCellOnce) {

@@ -5,6 +5,8 @@
 #include <stdexcept>
 
 #include "core/base/error.h"
+#include "experiments/config/config.h"
+#include "experiments/config/expand.h"
 #include "experiments/npy.h"
 #include "experiments/scenes/obj_materials.h"
 #include "experiments/scenes/scene_readers.h"
@@ -40,7 +42,15 @@ void parse_mtl(std::string_view bytes) {
   parse_or_refuse([&] { (void)read_mtl({"fuzzed", std::string(bytes), std::nullopt}); });
 }
 
+void parse_experiment(std::string_view bytes) {
+  parse_or_refuse([&] {
+    const Config config = parse_config(bytes, "fuzzed", {}, [](const std::string&) -> const char* { return nullptr; });
+    if (cell_count(config) < 1000) (void)expand(config);  // larger ones are only slow
+  });
+}
+
 constexpr std::array kParsers{
+    FuzzedParser{"config", parse_experiment},
     FuzzedParser{"gltf", parse_scene<read_gltf>},
     FuzzedParser{"mtl", parse_mtl},
     FuzzedParser{"nff", parse_scene<read_nff>},
