@@ -18,6 +18,7 @@ void add_commands(Cli& cli) {
   add_describe(cli);
   add_schema(cli);
   add_env(cli);
+  add_image(cli);
   add_trace(cli);
   add_report(cli);
   add_compare(cli);

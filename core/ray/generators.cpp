@@ -33,8 +33,8 @@ RandomStream stream(std::uint64_t seed, RayKind kind, std::int32_t pixel, int sa
   return RandomStream(seed, key);
 }
 
-/// Cosine-weighted about `normal` (unit): a uniform point of the disc, lifted to the hemisphere (Malley). The disc by rejection and an orthonormal frame without
-/// trigonometry (Duff et al. 2017, JCGT 6(1)): only operations that IEEE 754 rounds correctly, so that every compiler and libm gives the same rays.
+/// Cosine-weighted about `normal` (unit): a uniform point of the disc, lifted to the hemisphere (Malley). The disc by rejection and an orthonormal frame
+/// without trigonometry (Duff et al. 2017, JCGT 6(1)): only operations that IEEE 754 rounds correctly, so that every compiler and libm gives the same rays.
 dvec3 cosine_direction(const dvec3& normal, RandomStream& random) noexcept {
   double x, y, radius2;
   do {

@@ -17,18 +17,17 @@ namespace raymeter {
 /// Sets of rays to measure with. All but random start from the eye rays of a camera model or from what those hit; a point that was hit is recomputed in double
 /// (scene/surface.h), so that it does not depend on the tracer. Random numbers belong to (seed, kind, pixel, sample): sets depend on neither threads nor order.
 enum class RayKind : std::uint8_t {
-  primary,            ///< eye rays, in the order of PixelOrder
-  shadow,             ///< from each primary hit to each light that the surface faces on the eye's side, all hits for light 0, then for light 1...; the light is at
-                      ///< t = 1 and excluded (t_max one ulp below)
-  reflection,         ///< the mirrored eye ray at each primary hit, whatever the material, about the shading normal
+  primary,     ///< eye rays, in the order of PixelOrder
+  shadow,      ///< from each primary hit to each light that the surface faces on the eye's side, all hits for light 0, then for light 1...; the light is at
+               ///< t = 1 and excluded (t_max one ulp below)
+  reflection,  ///< the mirrored eye ray at each primary hit, whatever the material, about the shading normal
   ambient_occlusion,  ///< kAmbientOcclusionSamples per primary hit, cosine-weighted about the geometric normal on the eye's side, no longer than
                       ///< kAmbientOcclusionReach of the diagonal of the scene's box
   diffuse,            ///< one per primary hit, cosine-weighted as above, unbounded
-  random,             ///< as many as pixels: uniform over all directed lines that meet the scene's box (the measure invariant under motions, for which the chance
-                      ///< to meet a convex body inside is the ratio of the areas: what the surface area heuristic assumes), from where they enter it
+  random,  ///< as many as pixels: uniform over all directed lines that meet the scene's box (the measure invariant under motions, for which the chance
+           ///< to meet a convex body inside is the ratio of the areas: what the surface area heuristic assumes), from where they enter it
 };
-inline constexpr std::array kRayKinds{RayKind::primary,           RayKind::shadow,  RayKind::reflection,
-                                      RayKind::ambient_occlusion, RayKind::diffuse, RayKind::random};
+inline constexpr std::array kRayKinds{RayKind::primary, RayKind::shadow, RayKind::reflection, RayKind::ambient_occlusion, RayKind::diffuse, RayKind::random};
 
 [[nodiscard]] std::string_view name(RayKind kind) noexcept;
 [[nodiscard]] std::optional<RayKind> ray_kind_from_name(std::string_view name) noexcept;

@@ -23,11 +23,11 @@ struct SurfaceRules {
 /// A hit as shading sees it.
 struct ShadingPoint {
   Surface surface;
-  glm::dvec3 dir;           ///< of the incoming ray, as traced
-  glm::dvec3 normal;        ///< unit; what light and mirror directions are measured against
+  glm::dvec3 dir;     ///< of the incoming ray, as traced
+  glm::dvec3 normal;  ///< unit; what light and mirror directions are measured against
   const Material* material;
-  std::int32_t slot;        ///< of the pixel
-  float weight;             ///< share of the hit's radiance in the pixel's
+  std::int32_t slot;  ///< of the pixel
+  float weight;       ///< share of the hit's radiance in the pixel's
 };
 
 /// The mirrored direction; as long as the incoming one.

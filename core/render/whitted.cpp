@@ -129,8 +129,10 @@ private:
     for (std::size_t i = 0; i < hits.size(); ++i) {
       const bool hit = hits.prim[i] >= 0;
       count(rays.origin[i], hit);
-      if (hit) met.push_back(i);
-      else sum_[static_cast<std::size_t>(rays.slot[i])] += double{rays.weight[i]} * scene_.background;
+      if (hit)
+        met.push_back(i);
+      else
+        sum_[static_cast<std::size_t>(rays.slot[i])] += double{rays.weight[i]} * scene_.background;
     }
     std::vector<ShadingPoint> points(met.size());
     for_each_slice(met.size(), options_.threads, [&](std::size_t, std::size_t first, std::size_t size) {
@@ -181,8 +183,10 @@ private:
     trace_any(intersector_, shadow.rays, blocker, options_.threads, options_.counters);
     out_.rays.shadow += static_cast<std::int64_t>(blocker.size());
     for (std::size_t i = 0; i < blocker.size(); ++i) {
-      if (blocker[i] >= 0) ++out_.rays.shadow_blocked;
-      else sum_[static_cast<std::size_t>(shadow.slot[i])] += glm::dvec3(shadow.radiance[i]);
+      if (blocker[i] >= 0)
+        ++out_.rays.shadow_blocked;
+      else
+        sum_[static_cast<std::size_t>(shadow.slot[i])] += glm::dvec3(shadow.radiance[i]);
     }
   }
 
@@ -223,7 +227,7 @@ private:
   Intersector& intersector_;
   const RenderOptions& options_;
   SurfaceRules rules_;
-  Column<std::int32_t> pixels_;   ///< of the band
+  Column<std::int32_t> pixels_;  ///< of the band
   std::vector<glm::dvec3> sum_;  ///< their radiance so far
   Rendering out_;
 };

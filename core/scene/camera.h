@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 #include <glm/vec3.hpp>
 
@@ -25,6 +28,12 @@ enum class CameraConvention : std::uint8_t {
   havran,  ///< 2i / (N-1) - 1: the outermost samples span the field of view
   pixel,   ///< (2i + 1) / N - 1: pixel centres; the outermost pixel borders span the field of view
 };
+
+inline constexpr std::array kCameraConventions{CameraConvention::spd, CameraConvention::havran, CameraConvention::pixel};
+[[nodiscard]] constexpr std::string_view name(CameraConvention convention) noexcept {
+  constexpr std::array<std::string_view, kCameraConventions.size()> names{"spd", "havran", "pixel"};
+  return names[static_cast<std::size_t>(convention)];
+}
 
 /// Which eye rays an image has. Pixels are square: where width and height differ, the field of view is that of the vertical axis.
 struct CameraModel {

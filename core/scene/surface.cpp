@@ -30,11 +30,12 @@ double smaller_root(double a, double b, double c) noexcept {
 struct Line {
   dvec3 near;  ///< the point that the kernel found
   dvec3 dir;
+  double distance;  ///< of that point from the ray's origin
 };
 
-Surface finished(const dvec3& point, const dvec3& normal, double size) noexcept {
+Surface finished(const dvec3& point, const dvec3& normal, double size, const Line& line) noexcept {
   const double rounding = std::abs(normal.x * point.x) + std::abs(normal.y * point.y) + std::abs(normal.z * point.z);
-  return {point, normal, normal, double{kUnitRoundoff} * (16 * size + 2 * rounding)};
+  return {point, normal, normal, double{kUnitRoundoff} * (16 * size + 16 * line.distance + 2 * rounding)};
 }
 
 Surface on_sphere(const SpherePool& pool, std::size_t i, const Line& line) noexcept {
@@ -43,7 +44,7 @@ Surface on_sphere(const SpherePool& pool, std::size_t i, const Line& line) noexc
   const dvec3 f = line.near - center;
   const double s = smaller_root(glm::dot(line.dir, line.dir), glm::dot(f, line.dir), glm::dot(f, f) - radius * radius);
   const dvec3 normal = unit_or(f + s * line.dir, -glm::normalize(line.dir));
-  return finished(center + radius * normal, normal, radius);
+  return finished(center + radius * normal, normal, radius, line);
 }
 
 Surface on_cone(const ConePool& pool, std::size_t i, const Line& line) noexcept {
@@ -61,7 +62,7 @@ Surface on_cone(const ConePool& pool, std::size_t i, const Line& line) noexcept 
   // The radius changes by taper over the axis' length: that much the normal leans towards the narrow end.
   const dvec3 normal = unit_or(outwards - taper / axis2 * axis, outwards);
   const dvec3 point = base + height_there * axis + (base_radius + taper * height_there) * outwards;
-  return finished(point, normal, std::sqrt(axis2) + std::max(base_radius, apex_radius));
+  return finished(point, normal, std::sqrt(axis2) + std::max(base_radius, apex_radius), line);
 }
 
 /// Where the line meets the plane; along the plane, the found point's foot.
@@ -70,7 +71,7 @@ Surface on_plane(const dvec3& origin, const dvec3& plane_normal, double size, co
   const double below = glm::dot(normal, origin - line.near);
   const double slope = glm::dot(normal, line.dir);
   const bool along = std::abs(slope) < 1e-9 * glm::length(line.dir);
-  return finished(line.near + (along ? below * normal : below / slope * line.dir), normal, size);
+  return finished(line.near + (along ? below * normal : below / slope * line.dir), normal, size, line);
 }
 
 Surface on_triangle(const TrianglePool& pool, std::size_t i, const Line& line) noexcept {
@@ -96,7 +97,7 @@ Surface on_polygon(const PolygonPool& pool, std::size_t i, const Line& line) noe
 
 Surface surface_at(const Scene& scene, const Ray& ray, float t, std::int32_t prim) noexcept {
   const dvec3 org(ray.org[0], ray.org[1], ray.org[2]), dir(ray.dir[0], ray.dir[1], ray.dir[2]);
-  const Line line{org + double{t} * dir, dir};
+  const Line line{org + double{t} * dir, dir, double{t} * glm::length(dir)};
   const PrimRef ref = scene.prim(prim);
   const std::size_t i = ref.index;
   switch (ref.kind()) {

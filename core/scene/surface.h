@@ -16,8 +16,9 @@ struct Surface {
   glm::dvec3 geometric{0.0};
   /// Unit: the interpolated vertex normal, with the sign that the vertices give it, or the geometric normal.
   glm::dvec3 shading{0.0};
-  /// How far from the surface a spawned ray starts: 16 roundings of the primitive's size, which is more than its kernel errs for a ray from close by
-  /// (error_bounds.h), and 2 of the point's coordinates, for rounding the origin to float.
+  /// How far from the surface a spawned ray starts. In units of float rounding (error_bounds.h): 16 of the primitive's size, more than its kernel errs for a
+  /// ray from close by; 16 of the distance that the hit was seen from, since another primitive up to two kernel errors in front could not be told from this
+  /// one; and 2 of the point's coordinates, for rounding the origin.
   double clearance = 0;
 };
 

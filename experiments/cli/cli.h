@@ -45,6 +45,7 @@ void add_list(Cli& cli);
 void add_describe(Cli& cli);
 void add_schema(Cli& cli);
 void add_env(Cli& cli);
+void add_image(Cli& cli);
 void add_trace(Cli& cli);
 void add_report(Cli& cli);
 void add_compare(Cli& cli);

@@ -67,8 +67,10 @@ TEST_P(RayCountsTest, AreTheSameWithEveryStructureOnEveryInstructionSet) {
   for (const StructureEntry& entry : structures()) {
     if (entry.name == "list") continue;  // 10^10 tests
     for (const Isa isa : kIsas) {
-      if (available(isa)) expect_counts(GetParam(), entry.name, isa);
-      else std::cout << name(isa) << ": skipped, this machine lacks it\n";
+      if (available(isa))
+        expect_counts(GetParam(), entry.name, isa);
+      else
+        std::cout << name(isa) << ": skipped, this machine lacks it\n";
     }
   }
 }
@@ -80,8 +82,7 @@ INSTANTIATE_TEST_SUITE_P(Spd, RayCountsTest,
                                          Case{kSpd, "spd:mount:6", 173132, 354770, 354770, 0, 412836, 253263},
                                          Case{kSpd, "spd:rings:7", 263169, 314990, 0, 0, 1084444, 515261},
                                          Case{kSpd, "spd:teapot:12", 161124, 225519, 0, 0, 408001, 40426},
-                                         Case{kSpd, "spd:tetra:6", 49797, 0, 0, 0, 46109, 5523},
-                                         Case{kSpd, "spd:tree:11", 169830, 0, 0, 0, 1097445, 43456}),
+                                         Case{kSpd, "spd:tetra:6", 49797, 0, 0, 0, 46109, 5523}, Case{kSpd, "spd:tree:11", 169830, 0, 0, 0, 1097445, 43456}),
                          scene_name);
 
 /// The rules of the tables of Havran and Sixta 1999; `reflection` is reflection and refraction together.
@@ -90,16 +91,14 @@ class HavranRayCountsTest : public RayCountsTest {};
 TEST_P(HavranRayCountsTest, FollowTheRulesOfTheirTables) { expect_counts(GetParam(), "bvh", best_isa()); }
 
 constexpr CameraConvention kHavran = CameraConvention::havran;
-INSTANTIATE_TEST_SUITE_P(Havran, HavranRayCountsTest,
-                         testing::Values(Case{kHavran, "spd:balls:4", 263169, 179778, 0, 0, 959080, 285120},
-                                         Case{kHavran, "spd:gears:4", 245332, 488228, 0, 6100, 2087995, 818138},
-                                         Case{kHavran, "spd:lattice:12", 261170, 238288, 0, 0, 1174278, 937803},
-                                         Case{kHavran, "spd:mount:6", 173686, 707764, 0, 2672, 361049, 73764},
-                                         Case{kHavran, "spd:rings:7", 263169, 316139, 0, 0, 1083153, 514216},
-                                         Case{kHavran, "spd:teapot:12", 161546, 226089, 0, 0, 406274, 34744},
-                                         Case{kHavran, "spd:tetra:6", 49950, 0, 0, 0, 46261, 5551},
-                                         Case{kHavran, "spd:tree:11", 169909, 0, 0, 0, 1097835, 43106}),
-                         scene_name);
+INSTANTIATE_TEST_SUITE_P(
+    Havran, HavranRayCountsTest,
+    testing::Values(Case{kHavran, "spd:balls:4", 263169, 179778, 0, 0, 959080, 285120}, Case{kHavran, "spd:gears:4", 245332, 488228, 0, 6100, 2087995, 818138},
+                    Case{kHavran, "spd:lattice:12", 261170, 238288, 0, 0, 1174278, 937803},
+                    Case{kHavran, "spd:mount:6", 173686, 707764, 0, 2672, 361049, 73764}, Case{kHavran, "spd:rings:7", 263169, 316139, 0, 0, 1083153, 514216},
+                    Case{kHavran, "spd:teapot:12", 161546, 226089, 0, 0, 406274, 34744}, Case{kHavran, "spd:tetra:6", 49950, 0, 0, 0, 46261, 5551},
+                    Case{kHavran, "spd:tree:11", 169909, 0, 0, 0, 1097835, 43106}),
+    scene_name);
 
 }  // namespace
 }  // namespace raymeter

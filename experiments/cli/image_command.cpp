@@ -1,0 +1,140 @@
+#include <algorithm>
+#include <charconv>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <ostream>
+
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+#include "core/base/threads.h"
+#include "core/render/heat_map.h"
+#include "core/render/whitted.h"
+#include "experiments/atomic_file.h"
+#include "experiments/cli/choices.h"
+#include "experiments/cli/cli.h"
+#include "experiments/image/picture.h"
+#include "experiments/record/image_stats.h"
+#include "experiments/scenes/scene_source.h"
+
+namespace raymeter {
+
+namespace {
+
+/// Pixels on a side, at most.
+constexpr int kMaxSide = 32768;
+
+struct ImageOptions {
+  std::string scene, technique, out, size, isa, stats, heatmap;
+  std::string camera = "pixel", threads = "all";
+  Termination termination;
+  int packet = 16;
+};
+
+struct Size {
+  int width;
+  int height;
+};
+
+/// "W" or "WxH"; empty where the scene is to say.
+std::optional<Size> chosen_size(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const auto read = [&](std::string_view digits) {
+    int side = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), side);
+    if (error != std::errc{} || end != digits.data() + digits.size() || side < 1 || side > kMaxSide) {
+      throw Error(fmt::format("--size: expected W or WxH, whole numbers from 1 to {}, got '{}'", kMaxSide, text));
+    }
+    return side;
+  };
+  const auto cross = text.find('x');
+  const int width = read(std::string_view(text).substr(0, cross));
+  return Size{width, cross == std::string::npos ? width : read(std::string_view(text).substr(cross + 1))};
+}
+
+CameraConvention chosen_camera(const std::string& text) {
+  for (const CameraConvention convention : kCameraConventions) {
+    if (name(convention) == text) return convention;
+  }
+  throw Error("--camera: expected spd, havran or pixel, got '" + text + "'");
+}
+
+/// The heat map's picture; its scale goes to `stats`.
+Picture heat_map(const std::string& of_what, Intersector& intersector, ImageStats& stats) {
+  const Event event = of_what == "nodes" ? Event::node_visit : Event::prim_test;
+  const Column<std::uint64_t> counts = events_per_pixel(stats.model, intersector, event, stats.threads);
+  const std::uint64_t most = *std::max_element(counts.begin(), counts.end());
+  const double sum = std::accumulate(counts.begin(), counts.end(), 0.0);
+  stats.heatmap = {of_what == "nodes" ? "node_visits" : "prim_tests", most, sum / static_cast<double>(counts.size())};
+  return heat_picture(stats.model.width, stats.model.height, counts.span(), most);
+}
+
+ExitCode make_image(const ImageOptions& options, std::ostream& messages) {
+  ImageStats stats;
+  stats.technique = parse_technique(options.technique);
+  stats.isa = chosen_isa(options.isa);
+  stats.packet = options.packet;
+  stats.threads = chosen_threads(options.threads);
+  stats.termination = options.termination;
+  if (!(stats.termination.min_weight >= 0)) throw Error(fmt::format("--min-weight: expected a number from 0, got {}", stats.termination.min_weight));
+  stats.model.convention = chosen_camera(options.camera);
+  const std::optional<Size> size = chosen_size(options.size);
+  AtomicFile out(options.out);
+  std::optional<AtomicFile> stats_file;
+  if (!options.stats.empty()) stats_file.emplace(options.stats);
+  const Scene scene = load_scene(options.scene);
+  stats.scene = options.scene;
+  stats.num_prims = scene.prim_count();
+  stats.model.camera = scene.camera;
+  stats.model.width = size ? size->width : scene.camera.width;
+  stats.model.height = size ? size->height : scene.camera.height;
+
+  const auto structure = stats.technique.structure->build(scene, stats.technique.params, stats.threads);
+  const auto intersector = structure->intersector({stats.isa, stats.packet, stats.technique.params});
+  Picture picture;
+  if (options.heatmap.empty() || stats_file) {
+    CastFirstHit cast(*intersector);
+    const Rendering rendering = render(scene, cast, *intersector, {stats.model, stats.termination, stats.threads, stats_file ? &stats.counters : nullptr});
+    stats.rays = rendering.rays;
+    picture = to_picture(rendering.image);
+  }
+  if (!options.heatmap.empty()) {
+    picture = heat_map(options.heatmap, *intersector, stats);
+    messages << fmt::format("{}: {} of each eye ray, 0 (dark blue) to {} (yellow), mean {:.2f}\n", options.out, stats.heatmap->event, stats.heatmap->most,
+                            stats.heatmap->mean);
+  }
+  out.write(png_bytes(picture));
+  if (stats_file) {
+    if (stats.threads == 0) stats.threads = all_threads();
+    stats_file->write(image_stats_json(stats));
+    stats_file->commit();
+  }
+  out.commit();
+  return ExitCode::success;
+}
+
+}  // namespace
+
+void add_image(Cli& cli) {
+  auto options = std::make_shared<ImageOptions>();
+  CLI::App& command = cli.add_command("image", "raymeter image --scene spd:balls --technique bvh --out balls.png",
+                                      "Renders a scene: Whitted's shading, mirrors, glass and shadows; or what it costs, as a heat map.");
+  command.add_option("--scene", options->scene, "Generator (spd:balls:4) or file")->required();
+  command.add_option("--technique", options->technique, "STRUCTURE[:key=value,...], see 'raymeter list techniques'")->required();
+  command.add_option("--out", options->out, "Where the PNG goes")->required();
+  command.add_option("--size", options->size, "W or WxH in pixels; default: the scene's own");
+  command.add_option("--depth", options->termination.max_depth, "Greatest depth of rays; the eye ray has 1")->check(CLI::Range(0, 100))->capture_default_str();
+  command.add_option("--min-weight", options->termination.min_weight, "Follow reflections and refractions only where they count for this share of a pixel")
+      ->capture_default_str();
+  command.add_option("--camera", options->camera, "Where samples lie, and rules of surfaces: spd, havran (tables of the literature) or pixel (centres)")
+      ->capture_default_str();
+  command.add_option("--stats", options->stats, "Write ray counts and counters to this JSON file");
+  command.add_option("--heatmap", options->heatmap, "Instead of the image, what each eye ray cost: nodes or tests")->check(CLI::IsMember({"nodes", "tests"}));
+  command.add_option("--isa", options->isa, "Instruction set; default: the machine's best");
+  command.add_option("--packet", options->packet, "Rays per packet")->check(CLI::Range(1, kMaxPacket))->capture_default_str();
+  command.add_option("--threads", options->threads, "Number of threads or all")->capture_default_str();
+  command.callback([&cli, options] { cli.action = [&cli, options] { return make_image(*options, *cli.err); }; });
+}
+
+}  // namespace raymeter
