@@ -22,8 +22,9 @@ namespace raymeter {
 
 namespace {
 
-/// Pixels on a side, at most.
-constexpr int kMaxSide = 32768;
+/// Pixels on a side, and in all, at most.
+constexpr int kMaxSide = 65536;
+constexpr std::int64_t kMaxPixels = 1 << 28;
 
 struct ImageOptions {
   std::string scene, technique, out, size, isa, stats, heatmap;
@@ -89,6 +90,9 @@ ExitCode make_image(const ImageOptions& options, std::ostream& messages) {
   stats.model.camera = scene.camera;
   stats.model.width = size ? size->width : scene.camera.width;
   stats.model.height = size ? size->height : scene.camera.height;
+  if (std::int64_t{stats.model.width} * stats.model.height > kMaxPixels) {
+    throw Error(fmt::format("--size: {}x{} is more than {} pixels", stats.model.width, stats.model.height, kMaxPixels));
+  }
 
   const auto structure = stats.technique.structure->build(scene, stats.technique.params, stats.threads);
   const auto intersector = structure->intersector({stats.isa, stats.packet, stats.technique.params});

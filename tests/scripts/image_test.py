@@ -64,7 +64,7 @@ def check_empty_scene(raymeter: str, folder: Path) -> None:
 
 def check_errors(raymeter: str, folder: Path) -> None:
     out = folder / "bad.png"
-    for more in (["--size", "0"], ["--size", "10x"], ["--size", "10x10x10"], ["--size", "99999999999"], ["--camera", "fisheye"], ["--depth", "-1"],
+    for more in (["--size", "0"], ["--size", "10x"], ["--size", "10x10x10"], ["--size", "99999999999"], ["--size", "65536"], ["--camera", "fisheye"], ["--depth", "-1"],
                  ["--min-weight", "-1"], ["--min-weight", "nan"], ["--heatmap", "rays"], ["--isa", "mmx"], ["--threads", "0"], ["--packet", "65"],
                  ["--stats", str(folder / "nowhere" / "stats.json")]):
         result = image(raymeter, out, *more)
