@@ -1,8 +1,8 @@
 #pragma once
 
-// Ray against an open cone or cylinder (NFF's `c`: no caps), seen from both sides. The quadratic is set up where the ray is nearest to the axis between the
-// cone's ends: whatever the distance of the eye and however slender the cone, everything there has the size of its radius. The smaller root comes from the
-// product of the roots.
+// Ray against an open cone or cylinder (NFF's `c`: no caps), seen from both sides. The quadratic is set up where the ray is nearest to the axis: whatever the
+// distance of the eye and however slender the cone, everything there has the size of its radius. Where that is far beyond an end, as for rays nearly along the
+// axis, it is set up at that end. The smaller root comes from the product of the roots.
 //
 // Error: the reference point is off by 3 roundings of |P - org| + size, its parts across the axis by 3 of the size, the direction's by 2 of |dir|; over the way
 // to the hit, which is inside the cone, the coefficients' errors add up to 25 roundings of the size, t adds 2 of |P - org|: together within kSurfaceError.
@@ -48,13 +48,13 @@ inline SurfaceHit<L> intersect_cone(const RayPacket<L>& ray, const HitPacket<L>&
   };
   const auto in_cone = [&](Float y) noexcept -> Mask { return (y >= zero) & (y <= one); };
 
-  // From the closest approach to the middle on to that to the axis, but not beyond the cone's ends.
+  // From the closest approach to the middle on to that to the axis, or to the end: a ray that meets the cone but passes the axis beyond -1..2 climbs steeply.
   const Float near_middle = -dot(from_middle, ray.dir) * ray.inv_length2;
   const Float middle_height = height_at(near_middle);
   const Float to_axis = -dot(w, v) / dot(v, v);
   const Float axis_height = L::mul_add(to_axis, climb, middle_height);
   const Float to_end = (L::min(L::max(axis_height, zero), one) - middle_height) / climb;
-  const Float reference = near_middle + L::select(in_cone(axis_height), to_axis, to_end);
+  const Float reference = near_middle + L::select((axis_height >= -one) & (axis_height <= Float(2.0f)), to_axis, to_end);
 
   const Float height = height_at(reference);
   const Float radius_here = L::mul_add(taper, height, radius);

@@ -8,7 +8,7 @@
 // is below kSeenVertexError |A|, the boundary band. With the weights w that are decided on, Q = sum w V is a point of the triangle, and the ray passes Q within
 // the weighted mean of these. The terms of t have one sign but for vertices behind the origin: t is within 10 u sum w |z'| + 3 u (spread of z') of Q's depth.
 // With sum w |A_p| <= |P - org|_p + extent / 2, P is outside the box by at most 16 u |P - org|_p + 16 u extent: kPrimitiveError.
-// Products below 2^-126 are not supported: triangles seen at a scale below 1e-18 may be missed.
+// Signs are exact while the residues of products are not denormal: for triangles that are seen at 2^-38 or more. Below that, edges may leak.
 
 #include "core/ray/ray_packet.h"
 #include "core/scene/pools_view.h"
@@ -61,9 +61,11 @@ template <class L>
   hit.meets = ((least >= zero) | (most <= zero)) & (det != zero);
   if (L::none(hit.meets)) return hit;
   const Float inv_det = Float(1.0f) / det;
-  hit.t = L::mul_add(weight_c, c.z, L::mul_add(weight_b, b.z, weight_a * a.z)) * inv_det;
-  hit.u = weight_b * inv_det;
-  hit.v = weight_c * inv_det;
+  // Exactly 1 at a vertex, so that t is that vertex's in all triangles that share it, and the tie goes to the smallest id.
+  const auto share = [&](Float weight) noexcept -> Float { return L::select(weight == det, Float(1.0f), weight * inv_det); };
+  hit.u = share(weight_b);
+  hit.v = share(weight_c);
+  hit.t = L::mul_add(hit.v, c.z, L::mul_add(hit.u, b.z, share(weight_a) * a.z));
   return hit;
 }
 
