@@ -112,9 +112,16 @@ double depth(const PolygonShape& polygon, const Point& org, const Point& dir) no
 double distance(const PolygonShape& polygon, const Point& org, const Point& dir, double t) noexcept {
   const auto [near, far] = in_box(polygon, org, dir);
   const auto [height, slope] = from_plane(polygon, org, dir);
-  const double along_ray = std::abs(t - depth(polygon, org, dir)) * length(dir);
-  const double outside = std::max({near - t, t - far, 0.0}) * length(dir);
-  return std::max(std::min(std::abs(height - slope * t), along_ray), outside);
+  const double meant = slope != 0 ? height / slope : near;
+  // Where the plane is cut off, all that matters is not to be further inside than the cut.
+  const double off = meant < near ? std::max(t - near, 0.0) : meant > far ? std::max(far - t, 0.0) : std::abs(t - meant);
+  const Point p = along(org, t, dir);
+  double outside2 = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto [low, high] = std::minmax_element(polygon.vertex.begin(), polygon.vertex.end(), [a](const auto& v, const auto& w) { return v[a] < w[a]; });
+    outside2 += std::pow(std::max({double{(*low)[a]} - p[a], p[a] - double{(*high)[a]}, 0.0}), 2);
+  }
+  return std::max(std::min(std::abs(height - slope * t), off * length(dir)), std::sqrt(outside2));
 }
 
 }  // namespace raymeter::verify
