@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/bounds/aabb.h"
-#include "tests/support/random.h"
 
 namespace raymeter::test {
 
@@ -31,41 +30,6 @@ glm::dvec3 across(const glm::dvec3& axis, Random& random) {
   const glm::dvec3 v = glm::cross(axis, random.direction());
   const double length = glm::length(v);
   return length > 0 ? v / length : glm::dvec3(1, 0, 0);
-}
-
-/// A point of the primitive: a vertex, a point of an edge, a point of the silhouette or a rim, the centre, or one inside.
-glm::dvec3 point_of(const Scene& scene, PrimRef ref, Random& random) {
-  const Pools& pools = scene.pools();
-  const std::size_t i = ref.index;
-  const int what = static_cast<int>(random.below(3));
-  const double share = random.uniform();
-  std::vector<glm::dvec3> outline;
-  switch (ref.kind()) {
-    case PrimKind::sphere: {
-      const double r = double{pools.spheres.radius[i]};
-      const glm::dvec3 axis(random.below(3) == 0, random.below(2) == 0, 1);
-      return point(pools.spheres.center, i) + (what == 0 ? r * axis / glm::length(axis) : what == 1 ? r * random.direction() : r * share * random.direction());
-    }
-    case PrimKind::cone: {
-      const glm::dvec3 axis = point(pools.cones.axis, i);
-      const double y = what == 0 ? 0 : what == 1 ? 1 : share;
-      const double r = (1 - y) * double{pools.cones.radius[0][i]} + y * double{pools.cones.radius[1][i]};
-      return point(pools.cones.base, i) + y * axis + r * across(axis, random);
-    }
-    case PrimKind::triangle:
-      for (std::size_t k = 0; k < 3; ++k) outline.push_back(point(pools.triangles.vertex[k], i));
-      break;
-    case PrimKind::polygon:
-      for (auto k = pools.polygons.first_vertex[i]; k < pools.polygons.first_vertex[i + 1]; ++k) {
-        outline.push_back(point(pools.polygons.vertex, static_cast<std::size_t>(k)));
-      }
-      break;
-  }
-  const std::size_t k = random.below(outline.size());
-  const glm::dvec3 a = outline[k], b = outline[(k + 1) % outline.size()], c = outline[(k + 2) % outline.size()];
-  if (what == 0) return a;
-  if (what == 1) return a + share * (b - a);
-  return a + share * (b - a) + (1 - share) * random.uniform() * (c - a);
 }
 
 /// What the rays are aimed at and where they start.
@@ -113,6 +77,40 @@ Ray invalid_ray(Ray ray, int how) {
 Ray make_ray(const glm::dvec3& org, const glm::dvec3& dir) {
   const glm::vec3 o(org), d(dir);
   return {{o.x, o.y, o.z}, 0, {d.x, d.y, d.z}, kInf};
+}
+
+glm::dvec3 point_of(const Scene& scene, PrimRef ref, Random& random) {
+  const Pools& pools = scene.pools();
+  const std::size_t i = ref.index;
+  const int what = static_cast<int>(random.below(3));
+  const double share = random.uniform();
+  std::vector<glm::dvec3> outline;
+  switch (ref.kind()) {
+    case PrimKind::sphere: {
+      const double r = double{pools.spheres.radius[i]};
+      const glm::dvec3 axis(random.below(3) == 0, random.below(2) == 0, 1);
+      return point(pools.spheres.center, i) + (what == 0 ? r * axis / glm::length(axis) : what == 1 ? r * random.direction() : r * share * random.direction());
+    }
+    case PrimKind::cone: {
+      const glm::dvec3 axis = point(pools.cones.axis, i);
+      const double y = what == 0 ? 0 : what == 1 ? 1 : share;
+      const double r = (1 - y) * double{pools.cones.radius[0][i]} + y * double{pools.cones.radius[1][i]};
+      return point(pools.cones.base, i) + y * axis + r * across(axis, random);
+    }
+    case PrimKind::triangle:
+      for (std::size_t k = 0; k < 3; ++k) outline.push_back(point(pools.triangles.vertex[k], i));
+      break;
+    case PrimKind::polygon:
+      for (auto k = pools.polygons.first_vertex[i]; k < pools.polygons.first_vertex[i + 1]; ++k) {
+        outline.push_back(point(pools.polygons.vertex, static_cast<std::size_t>(k)));
+      }
+      break;
+  }
+  const std::size_t k = random.below(outline.size());
+  const glm::dvec3 a = outline[k], b = outline[(k + 1) % outline.size()], c = outline[(k + 2) % outline.size()];
+  if (what == 0) return a;
+  if (what == 1) return a + share * (b - a);
+  return a + share * (b - a) + (1 - share) * random.uniform() * (c - a);
 }
 
 bool valid(const Ray& ray) noexcept {

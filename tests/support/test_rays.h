@@ -4,11 +4,15 @@
 
 #include "core/ray/ray_batch.h"
 #include "core/scene/scene.h"
+#include "tests/support/random.h"
 
 namespace raymeter::test {
 
 /// A ray with the double vectors rounded to float, over [0, inf].
 [[nodiscard]] Ray make_ray(const glm::dvec3& org, const glm::dvec3& dir);
+
+/// A point of the primitive: a vertex, a point of an edge, of the silhouette or of a rim, or one inside.
+[[nodiscard]] glm::dvec3 point_of(const Scene& scene, PrimRef ref, Random& random);
 
 /// Rays of a pinhole in front of the scene, in tiles of 8 x 8.
 [[nodiscard]] RayBatch coherent_rays(const Scene& scene);

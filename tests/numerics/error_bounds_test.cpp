@@ -1,0 +1,197 @@
+// The two promises of core/geometry/error_bounds.h, on shapes and rays made to break them: far and near, slender and huge, grazing, in planes of the axes.
+
+#include "core/geometry/error_bounds.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "accel/registry.h"
+#include "core/bounds/aabb.h"
+#include "core/trace/trace.h"
+#include "experiments/verify/cone_truth.h"
+#include "experiments/verify/oracle.h"
+#include "experiments/verify/polygon_truth.h"
+#include "experiments/verify/sphere_truth.h"
+#include "experiments/verify/triangle_truth.h"
+#include "tests/support/test_rays.h"
+
+namespace raymeter {
+namespace {
+
+using test::Random;
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr int kShapes = 2500;
+constexpr int kRaysPerShape = 400;
+
+double magnitude(Random& random, double low, double high) { return std::pow(10.0, random.uniform(low, high)); }
+
+/// A scene of one primitive of any proportions, at the origin or away from it.
+Scene one_shape(PrimKind kind, Random& random) {
+  const double size = magnitude(random, -3, 3);
+  const glm::dvec3 at = random.below(3) == 0 ? glm::dvec3(0) : size * magnitude(random, -1, 3) * random.in_cube();
+  const auto vector = [&] {  // lengths, and axes among directions, that differ widely
+    glm::dvec3 v = size * magnitude(random, -3, 0.5) * random.direction();
+    if (random.below(4) == 0) v[static_cast<glm::length_t>(random.below(3))] = 0;
+    return v;
+  };
+  Scene scene;
+  switch (kind) {
+    case PrimKind::sphere: scene.add_sphere(at, size * magnitude(random, -3, 0)); break;
+    case PrimKind::triangle: scene.add_triangle(at, at + vector(), at + vector()); break;
+    case PrimKind::cone: {
+      const double r = size * magnitude(random, -4, 0);
+      const glm::dvec3 base = at, apex = at + vector();
+      scene.add_cone(base, r, apex, random.below(3) == 0 ? 0 : random.below(2) == 0 ? r : r * random.uniform(0, 2));
+      break;
+    }
+    case PrimKind::polygon: {
+      const glm::dvec3 x = vector(), y = vector();
+      const int corners = random.below(20) == 0 ? 144 : 3 + static_cast<int>(random.below(9));
+      const double notch = random.uniform(0.2, 1);
+      std::vector<glm::dvec3> vertices;
+      for (int k = 0; k < corners; ++k) {
+        const double angle = 2 * std::numbers::pi * k / corners;
+        vertices.push_back(at + (k % 2 == 0 ? 1 : notch) * (std::cos(angle) * x + std::sin(angle) * y));
+      }
+      scene.add_polygon(vertices);
+    }
+  }
+  scene.finish();
+  return scene;
+}
+
+/// Rays past points of the shape: from 1e-4 to 1e6 of its size away, within a few roundings of the point or right at it, along its surface or in planes of
+/// the axes.
+RayBatch rays_at(const Scene& scene, Random& random) {
+  const PrimRef ref = scene.prim(0);
+  const double size = double{glm::length(tight_bounds(scene.pools(), ref).extent())};
+  RayBatch rays;
+  for (int k = 0; k < kRaysPerShape; ++k) {
+    const glm::dvec3 at = test::point_of(scene, ref, random);
+    glm::dvec3 dir = random.direction();
+    if (k % 4 == 0) {
+      const glm::dvec3 along = test::point_of(scene, ref, random) - at;
+      if (glm::length(along) > 0) dir = glm::normalize(along) + magnitude(random, -8, 0) * random.direction();
+    }
+    if (k % 3 == 0) dir[static_cast<glm::length_t>(random.below(3))] *= random.below(2) == 0 ? 0.0 : magnitude(random, -9, -3);
+    if (k % 9 == 0) dir[static_cast<glm::length_t>(random.below(3))] = 0;
+    if (dir == glm::dvec3(0)) dir.x = 1;
+    const double distance = size * magnitude(random, -4, k % 5 == 0 ? 6 : 2);
+    glm::dvec3 org = at - distance * dir;
+    if (k % 2 == 0) org += (distance + size) * magnitude(random, -9, -3) * random.direction();
+    Ray ray = test::make_ray(org, dir * magnitude(random, -3, 3));
+    if (k % 6 == 0) ray.t_min = -kInf;
+    rays.push_back(ray);
+  }
+  return rays;
+}
+
+/// Distance of org + t dir from the shape's surface.
+double surface_distance(const Scene& scene, const Ray& ray, double t) {
+  using namespace verify;
+  const Pools& pools = scene.pools();
+  const Point org = point(ray.org), dir = point(ray.dir), p = along(org, t, dir);
+  switch (scene.prim(0).kind()) {
+    case PrimKind::sphere: return distance(sphere_at(pools, 0), p);
+    case PrimKind::triangle: return distance(triangle_at(pools, 0), p);
+    case PrimKind::polygon: return distance(polygon_at(pools, 0), org, dir, t);
+    case PrimKind::cone: return distance(cone_at(pools, 0), p);
+  }
+  return 0;
+}
+
+/// Hits and the largest errors among them, in roundings; what they are relative to stands in error_bounds.h.
+struct Errors {
+  int hits = 0;
+  double beside_box = 0;
+  double off_surface = 0;
+
+  void add(const Scene& scene, const Aabb& box, const Ray& ray, double t) {
+    ++hits;
+    const double extent = double{std::max({box.extent().x, box.extent().y, box.extent().z})};
+    const double unit = double{kUnitRoundoff};
+    double length2 = 0, size2 = 0;
+    for (glm::length_t a = 0; a < 3; ++a) {
+      const double way = t * double{ray.dir[a]}, p = double{ray.org[a]} + way;
+      const double beside = std::max({double{box.min[a]} - p, p - double{box.max[a]}, 0.0});
+      if (beside > 0) beside_box = std::max(beside_box, beside / (unit * (std::abs(way) + extent)));
+      length2 += way * way;
+      size2 += double{box.extent()[a]} * double{box.extent()[a]};
+    }
+    // Half the box's diagonal is at most the radius of the sphere about the primitive.
+    off_surface = std::max(off_surface, surface_distance(scene, ray, t) / (unit * (std::sqrt(length2) + std::sqrt(size2))));
+  }
+};
+
+using Case = std::tuple<PrimKind, Isa>;
+constexpr std::array kKindNames{"sphere", "triangle", "polygon", "cone"};
+
+class ErrorBounds : public testing::TestWithParam<Case> {
+protected:
+  void SetUp() override {
+    if (!available(isa())) GTEST_SKIP() << name(isa()) << " is not available on this machine";
+  }
+  [[nodiscard]] static PrimKind kind() { return std::get<0>(GetParam()); }
+  [[nodiscard]] static Isa isa() { return std::get<1>(GetParam()); }
+  [[nodiscard]] static HitBatch trace(const Scene& scene, const RayBatch& rays) {
+    const StructureEntry& list = structure_entry("list");
+    const ParamValues params = list.resolve({});
+    HitBatch hits;
+    trace_closest(*list.build(scene, params, 1)->intersector({isa(), simd_width(isa()), params}), rays, hits, 1);
+    return hits;
+  }
+};
+
+TEST_P(ErrorBounds, HoldForAcceptedHits) {
+  Random random(21);
+  Errors errors;
+  for (int shape = 0; shape < kShapes; ++shape) {
+    const Scene scene = one_shape(kind(), random);
+    const RayBatch rays = rays_at(scene, random);
+    const HitBatch hits = trace(scene, rays);
+    const Aabb box = tight_bounds(scene.pools(), scene.prim(0));
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      if (hits.prim[i] == 0) errors.add(scene, box, rays[i], double{hits.t[i]});
+    }
+  }
+  RecordProperty("hits", errors.hits);
+  RecordProperty("beside_box_roundings", std::to_string(errors.beside_box));
+  RecordProperty("off_surface_roundings", std::to_string(errors.off_surface));
+  EXPECT_GT(errors.hits, kShapes * kRaysPerShape / 3);
+  EXPECT_LE(errors.beside_box, double{kPrimitiveError / kUnitRoundoff});
+  EXPECT_LE(errors.off_surface, double{kSurfaceError / kUnitRoundoff});
+}
+
+TEST_P(ErrorBounds, TheOracleAgrees) {
+  Random random(22);
+  int checked = 0;
+  for (int shape = 0; shape < kShapes / 10; ++shape) {
+    const Scene scene = one_shape(kind(), random);
+    const Oracle oracle(scene);
+    const RayBatch rays = rays_at(scene, random);
+    const HitBatch hits = trace(scene, rays);
+    for (std::size_t i = 0; i < rays.size(); ++i, ++checked) {
+      const Verdict verdict = oracle.closest(rays[i], hits.t[i], hits.prim[i]).verdict;
+      const Ray ray = rays[i];
+      ASSERT_EQ(verdict, Verdict::correct) << std::hexfloat << "shape " << shape << " ray " << i << ": t " << hits.t[i] << " prim " << hits.prim[i] << "; org "
+                                           << ray.org[0] << ' ' << ray.org[1] << ' ' << ray.org[2] << " dir " << ray.dir[0] << ' ' << ray.dir[1] << ' '
+                                           << ray.dir[2] << " from " << ray.t_min;
+    }
+  }
+  EXPECT_GE(checked, 100000);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kernels, ErrorBounds,
+                         testing::Combine(testing::Values(PrimKind::sphere, PrimKind::triangle, PrimKind::polygon, PrimKind::cone), testing::ValuesIn(kIsas)),
+                         [](const testing::TestParamInfo<Case>& at) {
+                           return std::string(kKindNames[static_cast<std::size_t>(std::get<0>(at.param))]) + "_" + std::string(name(std::get<1>(at.param)));
+                         });
+
+}  // namespace
+}  // namespace raymeter
