@@ -4,6 +4,7 @@
 #include <random>
 
 #include "accel/grid/grid_build.h"
+#include "accel/grid/grid_resolution.h"
 #include "accel/registry.h"
 #include "experiments/scenes/scene_source.h"
 
