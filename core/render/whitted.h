@@ -44,8 +44,8 @@ struct Rendering {
 ///  - an eye ray has depth 1, and rays are followed as `termination` says. What meets nothing sees the background.
 /// Surfaces follow surface_rules() of the camera's convention. An opaque material's index of refraction is not looked at (NFF files carry 0 there).
 ///
-/// Bands of pixels are traced one generation after the other over batches of bounded size: memory depends on neither the image's size nor, but for
-/// max_depth batches, on the tree of rays. The image and the counts are the same on any number of threads.
+/// Bands of pixels are traced one generation after the other over batches of bounded size: beside the image itself, memory depends on neither its size nor, but
+/// for max_depth batches, on the tree of rays. The image and the counts are the same on any number of threads.
 [[nodiscard]] Rendering render(const Scene& scene, FirstHit& first_hit, Intersector& intersector, const RenderOptions& options);
 
 }  // namespace raymeter
