@@ -105,7 +105,7 @@ ExitCode make_image(const ImageOptions& options, std::ostream& messages) {
   }
   if (!options.heatmap.empty()) {
     picture = heat_map(options.heatmap, *intersector, stats);
-    messages << fmt::format("{}: {} of each eye ray, 0 (dark blue) to {} (yellow), mean {:.2f}\n", options.out, stats.heatmap->event, stats.heatmap->most,
+    messages << fmt::format("{}: {} of each eye ray, 0 (violet) to {} (yellow), mean {:.2f}\n", options.out, stats.heatmap->event, stats.heatmap->most,
                             stats.heatmap->mean);
   }
   out.write(png_bytes(picture));

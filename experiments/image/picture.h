@@ -18,7 +18,7 @@ struct Picture {
 
 /// The image as it is shown: [0, 1] to 0..255, what is above is white. No gamma: NFF's colours are display values.
 [[nodiscard]] Picture to_picture(const Image& image);
-/// Counts in false colours: viridis, dark blue at 0 to yellow at `most`.
+/// Counts in false colours: viridis, violet at 0 to yellow at `most`.
 [[nodiscard]] Picture heat_picture(int width, int height, std::span<const std::uint64_t> counts, std::uint64_t most);
 /// The picture as a PNG file. Throws std::runtime_error where libpng cannot.
 [[nodiscard]] std::string png_bytes(const Picture& picture);

@@ -22,18 +22,26 @@ def pictures_of(run: Run) -> list[Picture]:
     """The run's pictures by scene, each scene's images before its heat maps; NAME.json describes NAME.png."""
     described = [(path, _read_stats(path.with_suffix(".json"))) for path in run.images]
     described.sort(key=lambda one: (one[1].get("scene", ""), "heatmap" in one[1], one[0].name))
-    return [Picture(path, str(stats.get("scene") or path.stem), caption(stats)) for path, stats in described]
+    everything = [stats for _, stats in described]
+    return [Picture(path, str(stats.get("scene") or path.stem), caption(stats, technique(stats, everything))) for path, stats in described]
 
 
-def caption(stats: dict[str, Any]) -> str:
+def technique(stats: dict[str, Any], everything: list[dict[str, Any]]) -> str:
+    """The technique in the command line's form, with only the parameters that tell it from the others of its structure."""
+    alike = [one.get("params", {}) for one in everything if one.get("structure") == stats.get("structure")]
+    shown = [f"{key}={value}" for key, value in stats.get("params", {}).items() if any(other.get(key) != value for other in alike)]
+    return stats.get("structure", "") + (":" + ",".join(shown) if shown else "")
+
+
+def caption(stats: dict[str, Any], made_by: str) -> str:
     """What a picture shows and how it was made; "" where nothing is known."""
     if not stats:
         return ""
-    made = f"{stats.get('structure', '')}, {stats.get('width')} × {stats.get('height')} pixels"
+    made = f"{made_by}, {stats.get('width')} × {stats.get('height')} pixels"
     heat = stats.get("heatmap")
     if heat:
         what = "Node visits" if heat.get("event") == "node_visits" else "Primitive tests"
-        return f"{what} of each eye ray, from 0 (dark blue) to {integer(float(heat['most']))} (yellow), mean {significant(float(heat['mean']))}: {made}."
+        return f"{what} of each eye ray, from 0 (violet) to {integer(float(heat['most']))} (yellow), mean {significant(float(heat['mean']))}: {made}."
     kinds = [(name, stats.get(name)) for name in ("primary", "reflection", "refraction", "shadow")]
     rays = ", ".join(f"{integer(float(count))} {name}" for name, count in kinds if count)
     return f"Image: {made}" + (f"; rays: {rays}." if rays else ".")

@@ -81,7 +81,7 @@ class FullReport(unittest.TestCase):
         self.assertEqual(self.html.count("<svg"), len(PLOTS))
         self.assertIn("data:image/png;base64,iVBORw0KGgo", self.html)
         self.assertIn("balls &lt;nodes&gt;", self.html)
-        heat = f"Node visits of each eye ray, from 0 (dark blue) to 12{numbers.THIN_SPACE}345 (yellow), mean 3.14: grid, 1 × 1 pixels."
+        heat = f"Node visits of each eye ray, from 0 (violet) to 12{numbers.THIN_SPACE}345 (yellow), mean 3.14: grid, 1 × 1 pixels."
         self.assertIn(f"<strong>spd:tetra:6</strong> {heat}", self.html)
         self.assertIn(heat, self.markdown)
 
