@@ -1,0 +1,25 @@
+#pragma once
+
+#include <concepts>
+#include <span>
+
+#include "core/scene/scene.h"
+
+namespace raymeter {
+
+/// The host side of a kind of bounding volume, a small value that builders are templates over; a k-DOP's carries its directions. A Bound is one volume's data.
+///
+/// fit(scene, prim)     around a primitive, conservative: every hit that the primitive's kernel may accept is inside, but for what the volume's packet test adds
+///                      with the distance of the ray's origin (core/geometry/error_bounds.h).
+/// fit(scene, prims)    around several, as tight as this kind of volume gets; at least one.
+/// merge(a, b)          holds every point of a and b.
+/// half_area(a)         half of its surface area: in proportion to the number of random lines that meet it.
+template <class V>
+concept BoundingVolume = requires(const V& volume, const Scene& scene, PrimRef prim, std::span<const PrimRef> prims, const typename V::Bound& bound) {
+  { volume.fit(scene, prim) } -> std::same_as<typename V::Bound>;
+  { volume.fit(scene, prims) } -> std::same_as<typename V::Bound>;
+  { volume.merge(bound, bound) } -> std::same_as<typename V::Bound>;
+  { volume.half_area(bound) } -> std::same_as<double>;
+};
+
+}  // namespace raymeter
