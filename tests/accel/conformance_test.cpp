@@ -1,24 +1,27 @@
 // What every row of the table of techniques must keep, on every instruction set, scene and packet size, with its default parameters and others.
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
-#include <limits>
 #include <ostream>
 #include <set>
 
 #include <gtest/gtest.h>
 
 #include "accel/registry.h"
-#include "core/trace/trace.h"
 #include "experiments/verify/verify.h"
 #include "tests/support/test_rays.h"
-#include "tests/support/test_scenes.h"
+#include "tests/support/traces.h"
 
 namespace raymeter {
 namespace {
 
-using Blockers = Column<std::int32_t>;
+using test::Blockers;
+using test::expect_same_hits;
+using test::Reference;
+using test::scene_named;
+using test::scenes;
+using test::trace;
+using test::trace_list;
+using test::Traced;
 
 struct Case {
   const StructureEntry* entry;
@@ -40,23 +43,13 @@ std::vector<int> packet_sizes(Isa isa) {
   return {sizes.begin(), sizes.end()};
 }
 
-const std::vector<Scene>& scenes() {
-  static const std::vector<Scene> scenes = test::hard_scenes();
-  return scenes;
-}
-
-const Scene& scene_named(std::string_view name) {
-  const auto at = std::ranges::find(scenes(), name, &Scene::name);
-  if (at == scenes().end()) throw Error("no scene '" + std::string(name) + "'");
-  return *at;
-}
-
 /// Other values of a parameter: all choices, both switches, the least number and three times the default.
 std::vector<ParamValue> other_values(const ParamInfo& info) {
   std::vector<ParamValue> values;
   if (const auto* flag = std::get_if<bool>(&info.default_value)) values.emplace_back(!*flag);
   if (const auto* whole = std::get_if<std::int64_t>(&info.default_value)) {
-    for (const double number : {info.min, std::clamp(3.0 * static_cast<double>(*whole), info.min, info.max)}) values.emplace_back(static_cast<std::int64_t>(number));
+    for (const double number : {info.min, std::clamp(3.0 * static_cast<double>(*whole), info.min, info.max)})
+      values.emplace_back(static_cast<std::int64_t>(number));
   }
   if (const auto* number = std::get_if<double>(&info.default_value)) {
     for (const double other : {info.min, std::clamp(3 * *number, info.min, info.max)}) values.emplace_back(other);
@@ -87,67 +80,9 @@ std::string text(const ParamValues& values) {
   return out;
 }
 
-struct Traced {
-  HitBatch hits;
-  Blockers blockers;
-  Counters closest, any;
-};
-
-/// Both queries, timed and counted kernels; the two must agree.
-Traced trace(const Structure& structure, const QueryOptions& options, const RayBatch& rays, int threads = 1) {
-  const auto intersector = structure.intersector(options);
-  Traced out, timed;
-  intersector->prepare(rays.view());
-  trace_closest(*intersector, rays, out.hits, threads, &out.closest);
-  trace_any(*intersector, rays, out.blockers, threads, &out.any);
-  trace_closest(*intersector, rays, timed.hits, threads);
-  trace_any(*intersector, rays, timed.blockers, threads);
-  EXPECT_TRUE(bits_equal(out.hits, timed.hits)) << "timed and counted kernels differ";
-  EXPECT_TRUE(std::ranges::equal(out.blockers.span(), timed.blockers.span())) << "timed and counted kernels differ";
-  return out;
-}
-
-/// The reference: the list, one ray at a time.
-Traced trace_list(const Scene& scene, Isa isa, const RayBatch& rays) {
-  const StructureEntry& list = structure_entry("list");
-  const ParamValues params = list.resolve({});
-  return trace(*list.build(scene, params, 1), {isa, 1, params}, rays);
-}
-
-/// A scene's rays and what the list finds, per instruction set.
-struct Reference {
-  RayBatch rays;
-  Traced list;
-
-  Reference(const Scene& scene, Isa isa) : rays(test::hard_rays(scene, 7)) {
-    const RayBatch coherent = test::coherent_rays(scene);
-    for (std::size_t i = 0; i < coherent.size(); ++i) rays.push_back(coherent[i]);
-    const RayBatch cut = test::cut_at_hits(rays, trace_list(scene, isa, rays).hits);
-    for (std::size_t i = 0; i < cut.size(); ++i) rays.push_back(cut[i]);
-    list = trace_list(scene, isa, rays);
-  }
-};
-
-void expect_same_hits(const HitBatch& hits, const HitBatch& expected, const RayBatch& rays) {
-  if (bits_equal(hits, expected)) return;
-  int shown = 0, different = 0;
-  for (std::size_t i = 0; i < hits.size(); ++i) {
-    const bool same = std::bit_cast<std::uint32_t>(hits.t[i]) == std::bit_cast<std::uint32_t>(expected.t[i]) && hits.prim[i] == expected.prim[i] &&
-                      std::bit_cast<std::uint32_t>(hits.u[i]) == std::bit_cast<std::uint32_t>(expected.u[i]) &&
-                      std::bit_cast<std::uint32_t>(hits.v[i]) == std::bit_cast<std::uint32_t>(expected.v[i]);
-    if (same) continue;
-    ++different;
-    if (shown++ > 2) continue;
-    const Ray ray = rays[i];
-    ADD_FAILURE() << std::hexfloat << "ray " << i << ": t " << hits.t[i] << " prim " << hits.prim[i] << ", the list has t " << expected.t[i] << " prim "
-                  << expected.prim[i] << "; org " << ray.org[0] << ' ' << ray.org[1] << ' ' << ray.org[2] << " dir " << ray.dir[0] << ' ' << ray.dir[1] << ' '
-                  << ray.dir[2] << " in " << ray.t_min << ' ' << ray.t_max;
-  }
-  ADD_FAILURE() << different << " of " << hits.size() << " hits differ from the list's";
-}
-
 /// Blocked exactly where a nearest hit exists, by a primitive that the oracle accepts. `accepted` remembers (ray, blocker) pairs.
-void expect_blockers(const Blockers& blockers, const HitBatch& hits, const RayBatch& rays, const Oracle& oracle, std::set<std::pair<std::size_t, int>>& accepted) {
+void expect_blockers(const Blockers& blockers, const HitBatch& hits, const RayBatch& rays, const Oracle& oracle,
+                     std::set<std::pair<std::size_t, int>>& accepted) {
   for (std::size_t i = 0; i < blockers.size(); ++i) {
     ASSERT_EQ(blockers[i] >= 0, hits.prim[i] >= 0) << "ray " << i;
     if (blockers[i] < 0 || blockers[i] == hits.prim[i] || !accepted.insert({i, blockers[i]}).second) continue;
@@ -262,102 +197,6 @@ TEST_P(Conformance, PacketsShareTheirNodeVisits) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Techniques, Conformance, testing::ValuesIn(all_cases()), testing::PrintToStringParamName());
-
-std::string isa_name(const testing::TestParamInfo<Isa>& isa) { return std::string(name(isa.param)); }
-
-/// What the list must keep, since all others are held against it.
-class ListConformance : public testing::TestWithParam<Isa> {
-protected:
-  void SetUp() override {
-    if (!available(GetParam())) GTEST_SKIP() << name(GetParam()) << " is not available on this machine";
-  }
-};
-
-TEST_P(ListConformance, IsCorrectByTheOracle) {
-  for (const Scene& scene : scenes()) {
-    SCOPED_TRACE(scene.name);
-    const Oracle oracle(scene);
-    const Reference reference(scene, GetParam());
-    const RayBatch& rays = reference.rays;
-    int shown = 0;
-    for (std::size_t i = 0; i < rays.size() && shown < 3; ++i) {
-      const Verdict verdict = oracle.closest(rays[i], reference.list.hits.t[i], reference.list.hits.prim[i]).verdict;
-      if (verdict == Verdict::correct) continue;
-      ++shown;
-      const Ray ray = rays[i];
-      ADD_FAILURE() << std::hexfloat << "verdict " << static_cast<int>(verdict) << " for t " << reference.list.hits.t[i] << " prim " << reference.list.hits.prim[i]
-                    << " of ray " << i << ": org " << ray.org[0] << ' ' << ray.org[1] << ' ' << ray.org[2] << " dir " << ray.dir[0] << ' ' << ray.dir[1] << ' '
-                    << ray.dir[2] << " in " << ray.t_min << ' ' << ray.t_max;
-    }
-    const Accuracy any = verify_any(oracle, rays, reference.list.blockers, std::numeric_limits<double>::infinity(), 1, 1);
-    EXPECT_EQ(any.mismatches(), 0);
-    EXPECT_EQ(any.rays_checked, static_cast<std::int64_t>(rays.size()));
-  }
-}
-
-TEST_P(ListConformance, IntervalsAreClosed) {
-  for (const Scene& scene : scenes()) {
-    SCOPED_TRACE(scene.name);
-    const RayBatch rays = test::hard_rays(scene, 7);
-    const HitBatch hits = trace_list(scene, GetParam(), rays).hits;
-    RayBatch ends;
-    std::vector<std::size_t> of;
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      if (hits.prim[i] < 0) continue;
-      Ray ray = rays[i];
-      ray.t_max = hits.t[i];
-      ends.push_back(ray);
-      ray.t_min = hits.t[i];
-      ends.push_back(ray);
-      of.insert(of.end(), 2, i);
-    }
-    const HitBatch at_ends = trace_list(scene, GetParam(), ends).hits;
-    for (std::size_t k = 0; k < of.size(); ++k) {
-      ASSERT_EQ(at_ends.t[k], hits.t[of[k]]) << "ray " << of[k];
-      ASSERT_EQ(at_ends.prim[k], hits.prim[of[k]]) << "ray " << of[k];
-    }
-  }
-}
-
-TEST_P(ListConformance, InvalidRaysMissAndZeroHasNoSign) {
-  for (const Scene& scene : scenes()) {
-    SCOPED_TRACE(scene.name);
-    const RayBatch rays = test::hard_rays(scene, 7);
-    RayBatch flipped;
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      Ray ray = rays[i];
-      for (float* x : {&ray.org[0], &ray.org[1], &ray.org[2], &ray.dir[0], &ray.dir[1], &ray.dir[2], &ray.t_min, &ray.t_max}) {
-        if (*x == 0) *x = -*x;
-      }
-      flipped.push_back(ray);
-    }
-    const Traced traced = trace_list(scene, GetParam(), rays);
-    expect_same_hits(trace_list(scene, GetParam(), flipped).hits, traced.hits, rays);
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      EXPECT_FALSE(std::signbit(traced.hits.t[i]) && traced.hits.t[i] == 0);
-      if (test::valid(rays[i])) continue;
-      ASSERT_EQ(traced.hits.prim[i], -1);
-      ASSERT_EQ(traced.hits.t[i], std::numeric_limits<float>::infinity());
-      ASSERT_EQ(traced.hits.u[i], 0);
-      ASSERT_EQ(traced.hits.v[i], 0);
-      ASSERT_EQ(traced.blockers[i], -1);
-    }
-  }
-}
-
-TEST_P(ListConformance, TiesGoToTheSmallestId) {
-  for (const char* coincident : {"coincident spheres", "coincident triangles"}) {
-    const Reference reference(scene_named(coincident), GetParam());
-    int met = 0;
-    for (const std::int32_t prim : reference.list.hits.prim) {
-      EXPECT_LE(prim, 0);
-      met += prim == 0;
-    }
-    EXPECT_GT(met, 500);
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(List, ListConformance, testing::ValuesIn(kIsas), isa_name);
 
 }  // namespace
 }  // namespace raymeter

@@ -1,0 +1,141 @@
+// Meshes of triangles: no holes at edges and vertices, wherever the mesh lies and however large it is.
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiments/verify/verify.h"
+#include "tests/numerics/kernel_test.h"
+#include "tests/support/random.h"
+#include "tests/support/test_rays.h"
+#include "tests/support/test_scenes.h"
+
+namespace raymeter {
+namespace {
+
+using test::make_ray;
+using test::Random;
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+class TriangleMeshes : public test::KernelTest {};
+
+glm::dvec3 vertex(const Scene& scene, std::size_t triangle, std::size_t k) {
+  const auto& v = scene.pools().triangles.vertex[k];
+  return {v[0][triangle], v[1][triangle], v[2][triangle]};
+}
+
+/// Rays from within `half` of the centre at vertices, points of edges and points of faces of a mesh, a third each.
+RayBatch rays_at_mesh(const Scene& mesh, const glm::dvec3& center, double half, int count, std::uint64_t seed) {
+  Random random(seed);
+  RayBatch rays;
+  for (int i = 0; i < count; ++i) {
+    const std::size_t triangle = random.below(mesh.pools().triangles.size()), k = random.below(3);
+    const glm::dvec3 a = vertex(mesh, triangle, k), b = vertex(mesh, triangle, (k + 1) % 3), c = vertex(mesh, triangle, (k + 2) % 3);
+    const double s = random.uniform(), r = random.uniform(0.1, 0.9);
+    const glm::dvec3 at = i % 3 == 0 ? a : i % 3 == 1 ? a + s * (b - a) : a + r * (b - a) + (1 - r) * 0.5 * (c - a);
+    // The origin is rounded first, so that the direction is off by its own rounding only.
+    const glm::dvec3 org(glm::vec3(center + random.in_cube(half)));
+    rays.push_back(make_ray(org, at - org));
+  }
+  return rays;
+}
+
+std::ptrdiff_t misses(const HitBatch& hits) { return std::count(hits.prim.begin(), hits.prim.end(), -1); }
+
+TEST_P(TriangleMeshes, ClosedMeshHasNoHoles) {
+  const Scene mesh = test::icosphere(5);
+  ASSERT_EQ(mesh.prim_count(), 20480);
+  const RayBatch rays = rays_at_mesh(mesh, {0, 0, 0}, 0.1, 300000, 31);
+  const HitBatch hits = trace(mesh, rays, "bvh");
+  EXPECT_EQ(misses(hits), 0);
+  const Oracle oracle(mesh);
+  const Accuracy accuracy = verify_closest(oracle, rays, hits, 600.0 * mesh.prim_count(), 1, 1);
+  EXPECT_EQ(accuracy.rays_checked, 600);
+  EXPECT_EQ(accuracy.mismatches(), 0);
+  EXPECT_LE(accuracy.t_ulp_p99, 4);  // about 7 roundings of half an ulp at most, hardly ever of one sign; measured 2.2
+  const RayBatch few = rays_at_mesh(mesh, {0, 0, 0}, 0.1, 1500, 32);
+  EXPECT_EQ(misses(trace(mesh, few)), 0);
+}
+
+TEST_P(TriangleMeshes, ClosedMeshFarFromTheOriginHasNoHoles) {
+  const glm::dvec3 center(148376, 1234, -223423);
+  const Scene mesh = test::icosphere(3, 2, center);
+  const RayBatch rays = rays_at_mesh(mesh, center, 0.5, 100000, 33);
+  EXPECT_EQ(misses(trace(mesh, rays, "bvh")), 0);
+}
+
+TEST_P(TriangleMeshes, ScaleOfTheMeshIsThatOfT) {
+  const Scene unit = test::icosphere(2);
+  const RayBatch rays = rays_at_mesh(unit, {0, 0, 0}, 0.1, 3000, 34);
+  const HitBatch expected = trace(unit, rays);
+  for (const int exponent : {-38, -20, 33, 50}) {
+    const double scale = std::ldexp(1.0, exponent);
+    Scene mesh;
+    for (std::size_t i = 0; i < unit.pools().triangles.size(); ++i) {
+      mesh.add_triangle(scale * vertex(unit, i, 0), scale * vertex(unit, i, 1), scale * vertex(unit, i, 2));
+    }
+    mesh.finish();
+    RayBatch scaled;  // origins scaled, directions as they are: t is scaled
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      Ray ray = rays[i];
+      for (float& x : ray.org) x *= static_cast<float>(scale);
+      scaled.push_back(ray);
+    }
+    const HitBatch hits = trace(mesh, scaled);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_EQ(hits.prim[i], expected.prim[i]) << "2^" << exponent;
+      ASSERT_EQ(hits.t[i], expected.t[i] * static_cast<float>(scale)) << "2^" << exponent;
+    }
+  }
+}
+
+TEST_P(TriangleMeshes, IntegerHeightFieldUnderVerticalRays) {
+  constexpr int kSize = 24;
+  Random random(35);
+  std::vector<int> height;
+  for (int i = 0; i < (kSize + 1) * (kSize + 1); ++i) height.push_back(static_cast<int>(random.below(8)));
+  const auto at = [&](int x, int y) { return glm::dvec3(x, y, height[static_cast<std::size_t>(y * (kSize + 1) + x)]); };
+  Scene field;
+  for (int y = 0; y < kSize; ++y) {
+    for (int x = 0; x < kSize; ++x) {
+      field.add_triangle(at(x, y), at(x + 1, y), at(x + 1, y + 1));
+      field.add_triangle(at(x, y), at(x + 1, y + 1), at(x, y + 1));
+    }
+  }
+  field.finish();
+  RayBatch rays;
+  std::vector<double> expected;
+  for (int signs = 0; signs < 4; ++signs) {
+    for (int y = 0; y <= 2 * kSize; ++y) {
+      for (int x = 0; x <= 2 * kSize; ++x) {
+        rays.push_back({{0.5f * static_cast<float>(x), 0.5f * static_cast<float>(y), 100}, 0, {signs & 1 ? -0.0f : 0.0f, signs & 2 ? -0.0f : 0.0f, -1}, kInf});
+        // Middles of edges and diagonals, all of which run from (x, y) to (x + 1, y + 1).
+        expected.push_back(100 - (at(x / 2, y / 2).z + at((x + 1) / 2, (y + 1) / 2).z) / 2);
+      }
+    }
+  }
+  const HitBatch hits = trace(field, rays);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    ASSERT_GE(hits.prim[i], 0) << rays[i].org[0] << ' ' << rays[i].org[1];
+    ASSERT_EQ(double{hits.t[i]}, expected[i]) << rays[i].org[0] << ' ' << rays[i].org[1];
+  }
+}
+
+TEST_P(TriangleMeshes, SliversAreMetInTheirMiddle) {
+  for (const int exponent : {20, 23, 40}) {
+    const double h = std::ldexp(1.0, -exponent);
+    Scene scene;
+    scene.add_triangle({0, 0, 0}, {1, 0, 0}, {1, h, 0});
+    scene.finish();
+    const Hit hit = trace(scene, Ray{{0.75f, static_cast<float>(h / 4), -1}, 0, {0, 0, 1}, kInf});
+    EXPECT_EQ(hit.prim, 0) << "2^-" << exponent;
+    EXPECT_EQ(hit.t, 1) << "2^-" << exponent;
+    EXPECT_EQ(hit.u, 0.5f) << "2^-" << exponent;
+    EXPECT_EQ(hit.v, 0.25f) << "2^-" << exponent;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Isas, TriangleMeshes, testing::ValuesIn(kIsas), [](const testing::TestParamInfo<Isa>& isa) { return std::string(name(isa.param)); });
+
+}  // namespace
+}  // namespace raymeter

@@ -1,0 +1,71 @@
+#include "tests/support/traces.h"
+
+#include <algorithm>
+#include <bit>
+#include <ios>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "tests/support/test_rays.h"
+#include "tests/support/test_scenes.h"
+
+namespace raymeter::test {
+
+const std::vector<Scene>& scenes() {
+  static const std::vector<Scene> scenes = hard_scenes();
+  return scenes;
+}
+
+const Scene& scene_named(std::string_view name) {
+  const auto at = std::ranges::find(scenes(), name, &Scene::name);
+  if (at == scenes().end()) throw Error("no scene '" + std::string(name) + "'");
+  return *at;
+}
+
+Traced trace(const Structure& structure, const QueryOptions& options, const RayBatch& rays, int threads) {
+  const auto intersector = structure.intersector(options);
+  Traced out, timed;
+  intersector->prepare(rays.view());
+  trace_closest(*intersector, rays, out.hits, threads, &out.closest);
+  trace_any(*intersector, rays, out.blockers, threads, &out.any);
+  trace_closest(*intersector, rays, timed.hits, threads);
+  trace_any(*intersector, rays, timed.blockers, threads);
+  EXPECT_TRUE(bits_equal(out.hits, timed.hits)) << "timed and counted kernels differ";
+  EXPECT_TRUE(std::ranges::equal(out.blockers.span(), timed.blockers.span())) << "timed and counted kernels differ";
+  return out;
+}
+
+Traced trace_list(const Scene& scene, Isa isa, const RayBatch& rays) {
+  const StructureEntry& list = structure_entry("list");
+  const ParamValues params = list.resolve({});
+  return trace(*list.build(scene, params, 1), {isa, 1, params}, rays);
+}
+
+Reference::Reference(const Scene& scene, Isa isa) : rays(hard_rays(scene, 7)) {
+  const RayBatch coherent = coherent_rays(scene);
+  for (std::size_t i = 0; i < coherent.size(); ++i) rays.push_back(coherent[i]);
+  const RayBatch cut = cut_at_hits(rays, trace_list(scene, isa, rays).hits);
+  for (std::size_t i = 0; i < cut.size(); ++i) rays.push_back(cut[i]);
+  list = trace_list(scene, isa, rays);
+}
+
+void expect_same_hits(const HitBatch& hits, const HitBatch& expected, const RayBatch& rays) {
+  if (bits_equal(hits, expected)) return;
+  int shown = 0, different = 0;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const bool same = std::bit_cast<std::uint32_t>(hits.t[i]) == std::bit_cast<std::uint32_t>(expected.t[i]) && hits.prim[i] == expected.prim[i] &&
+                      std::bit_cast<std::uint32_t>(hits.u[i]) == std::bit_cast<std::uint32_t>(expected.u[i]) &&
+                      std::bit_cast<std::uint32_t>(hits.v[i]) == std::bit_cast<std::uint32_t>(expected.v[i]);
+    if (same) continue;
+    ++different;
+    if (shown++ > 2) continue;
+    const Ray ray = rays[i];
+    ADD_FAILURE() << std::hexfloat << "ray " << i << ": t " << hits.t[i] << " prim " << hits.prim[i] << ", the list has t " << expected.t[i] << " prim "
+                  << expected.prim[i] << "; org " << ray.org[0] << ' ' << ray.org[1] << ' ' << ray.org[2] << " dir " << ray.dir[0] << ' ' << ray.dir[1] << ' '
+                  << ray.dir[2] << " in " << ray.t_min << ' ' << ray.t_max;
+  }
+  ADD_FAILURE() << different << " of " << hits.size() << " hits differ from the list's";
+}
+
+}  // namespace raymeter::test
