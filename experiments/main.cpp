@@ -37,6 +37,7 @@ ExitCode parse(Cli& cli, int argc, char** argv) {
 }
 
 int run(int argc, char** argv) {
+  ::setenv("HWLOC_HIDE_ERRORS", "2", 0);  // hwloc would write to stderr itself where it finds no /sys; what it does not find is left empty
   Cli cli;
   cli.out = &std::cout;
   cli.err = &std::cerr;

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include "core/base/random.h"
+#include "core/base/threads.h"
 
 namespace raymeter {
 
@@ -38,8 +38,7 @@ template <class CheckRay>
 Accuracy verify_rays(const Oracle& oracle, std::size_t rays, double max_tests, std::uint64_t seed, int threads, CheckRay&& check_ray) {
   const std::vector<std::size_t> indices = sampled(rays, oracle.prim_count(), max_tests, seed);
   std::vector<Check> checks(indices.size());
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  arena.execute([&] { tbb::parallel_for(std::size_t{0}, indices.size(), [&](std::size_t k) { checks[k] = check_ray(indices[k]); }); });
+  on_threads(threads, [&] { tbb::parallel_for(std::size_t{0}, indices.size(), [&](std::size_t k) { checks[k] = check_ray(indices[k]); }); });
 
   Accuracy accuracy;
   accuracy.rays_checked = static_cast<std::int64_t>(indices.size());

@@ -265,6 +265,12 @@ class RunTest(unittest.TestCase):
         for row in self.rows(self.folder / "r", "summary"):
             self.assertEqual(row["status"], "ok" if row["rays"] == "primary" else "skipped", row)
 
+    def test_a_machine_without_sys_is_no_complaint(self) -> None:
+        bare = {**os.environ, "HWLOC_FSROOT": str(self.folder)}
+        self.assertEqual(self.raymeter("env", env=bare).stderr, "")
+        result = self.raymeter("run", self.write(config()), "--progress", "none", env=bare)
+        self.assertEqual((result.returncode, result.stderr), (0, "16 cells: 16 ok\n"))
+
     def test_a_damaged_scene_leaves_nothing_or_what_came_before(self) -> None:
         (self.folder / "bad.nff").write_text("v\nfrom 0 0\n")
         result = self.raymeter("run", self.write(config(matrix={"scene": ["bad.nff"]})), "--progress", "none")
