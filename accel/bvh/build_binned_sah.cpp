@@ -12,7 +12,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
-#include "accel/bvh/bvh_tree.h"
+#include "accel/bvh/box_builders.h"
 #include "core/base/threads.h"
 
 namespace raymeter {
@@ -114,7 +114,7 @@ struct Split {
 
 class BinnedSah {
 public:
-  BinnedSah(const Scene& scene, const BinnedSahSettings& settings) : scene_(scene), settings_(settings) {}
+  BinnedSah(const Scene& scene, const SahParams& params) : scene_(scene), params_(params), node_cost_(static_cast<float>(params.node_cost)) {}
 
   BvhTree build() {
     collect();
@@ -217,11 +217,11 @@ private:
   void split(std::int32_t node, std::int32_t first, std::int32_t last, const NodeBounds& bounds, int depth) {
     const std::int32_t count = last - first;
     nodes_[static_cast<std::size_t>(node)].box = to_aabb(bounds.box);
-    const BinMapping mapping(bounds.centers2, std::min(settings_.bins, std::max(4, static_cast<int>(std::min(count, kMaxBins)))));
+    const BinMapping mapping(bounds.centers2, std::min(params_.bins, std::max(4, static_cast<int>(std::min(count, kMaxBins)))));
     const Split best = count > 1 && depth < kBalanceDepth ? best_split(first, last, bounds, mapping) : Split{};
     const float area = half_area(bounds.box);
-    const bool worth_it = settings_.node_cost * area + best.cost < static_cast<float>(count) * area;
-    if (count == 1 || (count <= settings_.max_leaf_size && !worth_it)) {
+    const bool worth_it = node_cost_ * area + best.cost < static_cast<float>(count) * area;
+    if (count == 1 || (count <= params_.max_leaf_size && !worth_it)) {
       make_leaf(node, first, last);
       return;
     }
@@ -260,7 +260,8 @@ private:
   }
 
   const Scene& scene_;
-  BinnedSahSettings settings_;
+  SahParams params_;
+  float node_cost_;
   std::vector<BuildPrim> prims_;
   std::vector<BvhTree::Node> nodes_;
   std::atomic<std::int32_t> next_node_{0};
@@ -268,8 +269,8 @@ private:
 
 }  // namespace
 
-BvhTree build_binned_sah(const Scene& scene, const BinnedSahSettings& settings, int threads) {
-  return on_threads(threads, [&] { return BinnedSah(scene, settings).build(); });
+BvhTree build_binned_sah(const Scene& scene, const SahParams& params, int threads) {
+  return on_threads(threads, [&] { return BinnedSah(scene, params).build(); });
 }
 
 }  // namespace raymeter

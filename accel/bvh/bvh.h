@@ -1,36 +1,49 @@
 #pragma once
 
-#include <array>
+#include <vector>
 
+#include "accel/bvh/builders.h"
+#include "accel/bvh/bvh_params.h"
 #include "accel/technique.h"
 
 namespace raymeter {
 
-struct BvhParams {
+struct BvhParams : SahParams, GoldsmithSalmonParams, TreeParams {
   std::string volume = "aabb";
   std::string builder = "binned_sah";
   std::string traversal = "packet";
-  int bins = 32;
-  int max_leaf_size = 8;
-  double node_cost = 1.0;
 
   static auto fields() {
     using Field = Param<BvhParams>;
-    return std::array{
-        Field{"volume", &BvhParams::volume, "bounding volume of a node", 0, 0, {"aabb"}},
-        Field{"builder", &BvhParams::builder, "how the hierarchy is built", 0, 0, {"binned_sah"}},
-        Field{"traversal", &BvhParams::traversal, "how rays go through it", 0, 0, {"packet"}, ParamUse::query},
-        Field{"bins", &BvhParams::bins, "bins per axis, where a node has at least that many primitives", 2, 64},
-        Field{"max_leaf_size", &BvhParams::max_leaf_size, "larger leaves are split even where that costs more", 1, 64},
-        Field{"node_cost", &BvhParams::node_cost, "surface area heuristic: cost of a node in primitive tests", 0.01, 100},
+    return std::vector<Field>{
+        {"volume", &BvhParams::volume, "bounding volume of a node", 0, 0, {"aabb"}},
+        {"builder", &BvhParams::builder, "how the hierarchy is built", 0, 0, bvh_builder_names()},
+        {"traversal", &BvhParams::traversal, "how rays go through it", 0, 0, {"packet"}, ParamUse::query},
+        {"bins", &BvhParams::bins, "binned_sah: bins per axis, where a node has at least that many primitives", 2, 64},
+        {"max_leaf_size", &BvhParams::max_leaf_size, "surface area heuristic: larger leaves are split even where that costs more", 1, 64},
+        {"node_cost", &BvhParams::node_cost, "surface area heuristic: cost of a node in primitive tests", 0.01, 100},
+        {"insertion_order",
+         &BvhParams::insertion_order,
+         "goldsmith_salmon: as in the scene, along its longest axis, at random, or the cheapest tree of `shuffles` random orders",
+         0,
+         0,
+         {"file", "sorted", "shuffled", "best"}},
+        {"insertion_seed", &BvhParams::insertion_seed, "goldsmith_salmon: of the first random order", 0, 1000000},
+        {"shuffles", &BvhParams::shuffles, "goldsmith_salmon: random orders tried by insertion_order=best", 1, 1000},
+        {"inherited", &BvhParams::inherited, "goldsmith_salmon: a place's cost includes the growth of the nodes above it"},
+        {"leaf_boxes", &BvhParams::leaf_boxes, "goldsmith_salmon: primitives have boxes of their own; off: those under a node are tested once it is opened"},
+        {"width", &BvhParams::width, "most children of a node, by opening nodes and grouping children; 0: as built", 0, 64},
     };
   }
 };
 
 [[nodiscard]] std::unique_ptr<Structure> build_bvh(const Scene& scene, const ParamValues& values, int threads);
 
-inline constexpr StructureEntry kBvhEntry{"bvh", "bounding volume hierarchy, traversed by packets front to back",
-                                          "Rubin, Whitted 1980; Goldsmith, Salmon 1987; Wald 2007 (binned SAH)", param_infos<BvhParams>,
-                                          resolve_params<BvhParams>, build_bvh};
+inline constexpr StructureEntry kBvhEntry{"bvh",
+                                          "bounding volume hierarchy, traversed by packets front to back",
+                                          "Rubin, Whitted 1980; Goldsmith, Salmon 1987; Wald 2007 (binned SAH)",
+                                          param_infos<BvhParams>,
+                                          resolve_params<BvhParams>,
+                                          build_bvh};
 
 }  // namespace raymeter

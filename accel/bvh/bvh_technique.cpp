@@ -51,7 +51,7 @@ public:
 
   Column<BvhLink> links;
   std::vector<PrimitiveRun> runs;
-  std::vector<PrimRef> order;        ///< primitives as the leaves come
+  std::vector<PrimRef> order;  ///< primitives as the leaves come
   std::int32_t stack_capacity = 1;
 
 private:
@@ -113,9 +113,7 @@ private:
 }  // namespace
 
 std::unique_ptr<Structure> build_bvh(const Scene& scene, const ParamValues& values, int threads) {
-  const auto params = bind<BvhParams>(values);
-  const BinnedSahSettings settings{params.bins, params.max_leaf_size, static_cast<float>(params.node_cost)};
-  return std::make_unique<Bvh>(scene, build_binned_sah(scene, settings, threads));
+  return std::make_unique<Bvh>(scene, build_bvh_tree(scene, bind<BvhParams>(values), threads));
 }
 
 }  // namespace raymeter

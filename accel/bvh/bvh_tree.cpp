@@ -4,6 +4,31 @@
 
 namespace raymeter {
 
+BvhTree depth_first(const BvhTree& tree) {
+  BvhTree out;
+  if (tree.nodes.empty()) return out;
+  out.nodes.reserve(tree.nodes.size());
+  out.order.reserve(tree.order.size());
+  out.nodes.push_back(tree.node(0));
+  std::vector<std::int32_t> open{0};  // in `out`; their `first` still counts in `tree`
+  while (!open.empty()) {
+    const std::int32_t n = open.back();
+    open.pop_back();
+    const std::int32_t first = out.node(n).first;
+    if (const std::int32_t children = out.node(n).child_count; children > 0) {
+      out.node(n).first = static_cast<std::int32_t>(out.nodes.size());
+      for (std::int32_t c = 0; c < children; ++c) out.nodes.push_back(tree.node(first + c));
+      for (std::int32_t c = children - 1; c >= 0; --c) open.push_back(out.node(n).first + c);
+      continue;
+    }
+    out.node(n).first = static_cast<std::int32_t>(out.order.size());
+    const auto begin = tree.order.begin() + first;
+    const auto leaf = out.order.insert(out.order.end(), begin, begin + out.node(n).prim_count);
+    std::sort(leaf, out.order.end(), [](PrimRef p, PrimRef q) { return p.kind_bits != q.kind_bits ? p.kind_bits < q.kind_bits : p.index < q.index; });
+  }
+  return out;
+}
+
 BuildStats tree_stats(const BvhTree& tree) {
   BuildStats stats;
   if (tree.nodes.empty()) {

@@ -16,17 +16,17 @@ struct BvhTree {
     std::int32_t child_count = 0;  ///< children are consecutive; 0: a leaf
     std::int32_t prim_count = 0;   ///< leaves only
   };
-  std::vector<Node> nodes;     ///< nodes[0] is the root; empty for an empty scene
-  std::vector<PrimRef> order;  ///< primitives as the leaves hold them
+  std::vector<Node> nodes;     ///< nodes[0] is the root, children come after their parent; empty for an empty scene
+  std::vector<PrimRef> order;  ///< primitives as the leaves hold them; those that spatial splits cut occur more than once
+
+  [[nodiscard]] Node& node(std::int32_t n) noexcept { return nodes[static_cast<std::size_t>(n)]; }
+  [[nodiscard]] const Node& node(std::int32_t n) const noexcept { return nodes[static_cast<std::size_t>(n)]; }
 };
 
-/// Top-down, splits by the surface area heuristic over binned centroids (Wald 2007), in parallel; the tree does not depend on `threads`.
-struct BinnedSahSettings {
-  int bins = 32;
-  int max_leaf_size = 8;
-  float node_cost = 1;
-};
-[[nodiscard]] BvhTree build_binned_sah(const Scene& scene, const BinnedSahSettings& settings, int threads);
+/// The same tree with its nodes in depth-first order (children together), its primitives in the order of the leaves, each leaf's by kind, then index; nodes
+/// that nothing refers to are left out. `tree` need not keep children after their parent. Two trees that are the same but for the numbering of nodes become
+/// equal.
+[[nodiscard]] BvhTree depth_first(const BvhTree& tree);
 
 /// Nodes, leaves, references, depth and SAH cost (C_t = C_i = 1) of a tree.
 [[nodiscard]] BuildStats tree_stats(const BvhTree& tree);

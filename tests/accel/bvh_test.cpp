@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "accel/bvh/bvh_tree.h"
+#include "accel/bvh/box_builders.h"
 #include "accel/registry.h"
 #include "core/trace/trace.h"
 

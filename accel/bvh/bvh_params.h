@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+namespace raymeter {
+
+// Parameters of `bvh`, a group for each thing that has some. BvhParams (bvh.h) is all groups together and says what is allowed; a builder takes the groups that
+// it reads. Defaults stand here.
+
+/// Builders that weigh splits, or the merging of leaves, by the surface area heuristic.
+struct SahParams {
+  int bins = 32;
+  int max_leaf_size = 8;
+  double node_cost = 1.0;
+};
+
+struct GoldsmithSalmonParams {
+  std::string insertion_order = "shuffled";
+  int insertion_seed = 1;
+  int shuffles = 8;
+  bool inherited = true;
+  bool leaf_boxes = true;
+};
+
+/// What is done to a hierarchy once it is built.
+struct TreeParams {
+  int width = 0;
+};
+
+}  // namespace raymeter
