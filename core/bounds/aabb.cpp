@@ -2,21 +2,12 @@
 
 #include <cmath>
 
+#include "core/bounds/outward_rounding.h"
 #include "core/geometry/error_bounds.h"
 
 namespace raymeter {
 
 namespace {
-
-float round_down(double x) noexcept {
-  const auto f = static_cast<float>(x);
-  return static_cast<double>(f) <= x ? f : std::nextafterf(f, -std::numeric_limits<float>::infinity());
-}
-
-float round_up(double x) noexcept {
-  const auto f = static_cast<float>(x);
-  return static_cast<double>(f) >= x ? f : std::nextafterf(f, std::numeric_limits<float>::infinity());
-}
 
 /// A disc of radius r with unit normal n reaches r sqrt(1 - n_a^2) along axis a; a cone is the hull of its two rims.
 Aabb cone_bounds(const ConePool& cones, std::size_t i) noexcept {

@@ -61,6 +61,16 @@ std::size_t Pools::size(PrimKind kind) const noexcept {
   return 0;
 }
 
+std::int32_t Pools::prim_id(PrimRef prim) const noexcept {
+  switch (prim.kind()) {
+    case PrimKind::sphere: return spheres.prim[prim.index];
+    case PrimKind::triangle: return triangles.prim[prim.index];
+    case PrimKind::polygon: return polygons.prim[prim.index];
+    case PrimKind::cone: return cones.prim[prim.index];
+  }
+  return -1;
+}
+
 std::size_t Pools::mem_bytes() const noexcept {
   std::size_t sum = bytes(spheres.center) + spheres.radius.bytes() + spheres.prim.bytes();
   for (const FloatColumns3& vertex : triangles.vertex) sum += bytes(vertex);

@@ -61,6 +61,8 @@ struct Pools {
 
   [[nodiscard]] PoolsView view() const noexcept;
   [[nodiscard]] std::size_t size(PrimKind kind) const noexcept;
+  /// The id of a primitive.
+  [[nodiscard]] std::int32_t prim_id(PrimRef prim) const noexcept;
   [[nodiscard]] std::size_t mem_bytes() const noexcept;
 };
 
