@@ -6,10 +6,11 @@
 
 namespace raymeter {
 
-/// A file that appears whole under its name or not at all: written beside it, synced and renamed by commit().
+/// A file that appears whole under its name or not at all: written beside it, synced and renamed by commit(). A name that is a symbolic link stays one. What is
+/// there and no file, such as a pipe, is written to as it is.
 class AtomicFile {
 public:
-  /// Throws Error where the folder cannot be written.
+  /// Throws Error where the folder cannot be written, or where the name is a folder's.
   explicit AtomicFile(std::string path);
   /// Removes what was not committed.
   ~AtomicFile();
@@ -23,7 +24,8 @@ public:
 
 private:
   std::string path_;
-  std::string temporary_;
+  std::string target_;     ///< what path_ names, through links
+  std::string temporary_;  ///< empty where the target is written to as it is
   int descriptor_ = -1;
 };
 
