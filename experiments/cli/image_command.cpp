@@ -103,11 +103,7 @@ ExitCode make_image(const ImageOptions& options, std::ostream& messages) {
     stats.rays = rendering.rays;
     picture = to_picture(rendering.image);
   }
-  if (!options.heatmap.empty()) {
-    picture = heat_map(options.heatmap, *intersector, stats);
-    messages << fmt::format("{}: {} of each eye ray, 0 (violet) to {} (yellow), mean {:.2f}\n", options.out, stats.heatmap->event, stats.heatmap->most,
-                            stats.heatmap->mean);
-  }
+  if (!options.heatmap.empty()) picture = heat_map(options.heatmap, *intersector, stats);
   out.write(png_bytes(picture));
   if (stats_file) {
     if (stats.threads == 0) stats.threads = all_threads();
@@ -115,6 +111,10 @@ ExitCode make_image(const ImageOptions& options, std::ostream& messages) {
     stats_file->commit();
   }
   out.commit();
+  if (stats.heatmap) {
+    const auto& [event, most, mean] = *stats.heatmap;
+    messages << fmt::format("{}: {} of each eye ray, 0 (violet) to {} (yellow), mean {:.2f}\n", options.out, event, most, mean);
+  }
   return ExitCode::success;
 }
 

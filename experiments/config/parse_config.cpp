@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -159,7 +160,7 @@ Config load_config(const std::string& path, const std::vector<std::string>& sett
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   if (file) text << file.rdbuf();
-  if (!file || text.bad()) throw Error(path + ": cannot be read, expected a config in JSON");
+  if (!file || text.bad() || std::filesystem::is_directory(path)) throw Error(path + ": cannot be read, expected a config in JSON");
   return parse_config(text.str(), path, settings, environment);
 }
 

@@ -32,6 +32,7 @@ def parse_arguments(argv: Sequence[str]) -> argparse.Namespace:
 def main(argv: Sequence[str]) -> int:
     """Exit codes: 0 written, 1 could not write, 2 the input is no results folder or lacks a column."""
     arguments = parse_arguments(argv)
+    out = arguments.readme_figure or arguments.out or arguments.folders[0]
     try:
         runs = [read_run(folder) for folder in dict.fromkeys(arguments.folders)]
         if arguments.readme_figure:
@@ -54,6 +55,6 @@ def main(argv: Sequence[str]) -> int:
     except BrokenPipeError:
         sys.stdout = None  # whoever reads the paths has read enough, and all files are written
     except OSError as error:
-        print(error, file=sys.stderr)
+        print(f"{error.filename or out}: {error.strerror}", file=sys.stderr)
         return 1
     return 0
