@@ -7,6 +7,7 @@
 #include "accel/bvh/bvh.h"
 #include "accel/bvh/collapse.h"
 #include "accel/bvh/goldsmith_salmon.h"
+#include "accel/bvh/reinsertion.h"
 #include "core/base/error.h"
 #include "core/bounds/aabb_volume.h"
 
@@ -14,18 +15,28 @@ namespace raymeter {
 
 namespace {
 
+/// Hands a builder the groups of parameters that it takes: BvhParams is each of them.
 template <auto kBuild>
 BvhTree build_with(const Scene& scene, const BvhParams& params, int threads) {
-  return kBuild(scene, params, threads);
+  if constexpr (requires { kBuild(scene, params, threads); }) {
+    return kBuild(scene, params, threads);
+  } else {
+    return kBuild(scene, params, params, threads);
+  }
 }
+
 BvhTree build_with_goldsmith_salmon(const Scene& scene, const BvhParams& params, int threads) {
   return build_goldsmith_salmon(scene, AabbVolume(), params, threads);
 }
+
 // THE table of builders: a new one is one file and one row.
 constexpr std::array kBuilders{
     BvhBuilder{"binned_sah", build_with<build_binned_sah>},
     BvhBuilder{"sweep_sah", build_with<build_sweep_sah>},
+    BvhBuilder{"sbvh", build_with<build_sbvh>},
     BvhBuilder{"goldsmith_salmon", build_with_goldsmith_salmon},
+    BvhBuilder{"lbvh", build_with<build_lbvh>},
+    BvhBuilder{"ploc", build_with<build_ploc>},
 };
 
 }  // namespace
@@ -40,6 +51,7 @@ BvhTree build_bvh_tree(const Scene& scene, const BvhParams& params, int threads)
   if (params.width == 1) throw Error("width: expected 0 or a whole number from 2 to 64, got 1");
   const auto* const builder = std::find_if(kBuilders.begin(), kBuilders.end(), [&](const BvhBuilder& row) { return row.name == params.builder; });
   BvhTree tree = builder->build(scene, params, threads);
+  if (params.reinsertion > 0) tree = reinserted(with_width(tree, 2, threads), params.reinsertion, threads);
   if (params.width > 0) tree = with_width(tree, params.width, threads);
   return tree;
 }

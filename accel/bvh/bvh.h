@@ -8,7 +8,7 @@
 
 namespace raymeter {
 
-struct BvhParams : SahParams, GoldsmithSalmonParams, TreeParams {
+struct BvhParams : SahParams, GoldsmithSalmonParams, SbvhParams, PlocParams, TreeParams {
   std::string volume = "aabb";
   std::string builder = "binned_sah";
   std::string traversal = "packet";
@@ -32,6 +32,10 @@ struct BvhParams : SahParams, GoldsmithSalmonParams, TreeParams {
         {"shuffles", &BvhParams::shuffles, "goldsmith_salmon: random orders tried by insertion_order=best", 1, 1000},
         {"inherited", &BvhParams::inherited, "goldsmith_salmon: a place's cost includes the growth of the nodes above it"},
         {"leaf_boxes", &BvhParams::leaf_boxes, "goldsmith_salmon: primitives have boxes of their own; off: those under a node are tested once it is opened"},
+        {"split_overlap", &BvhParams::split_overlap, "sbvh: planes are tried where children overlap by more than this share of the root's area", 0, 1},
+        {"split_budget", &BvhParams::split_budget, "sbvh: most references beyond one a primitive, relative to the primitives", 0, 8},
+        {"ploc_radius", &BvhParams::ploc_radius, "ploc: how far away in the order a cluster looks for a partner", 1, 1000},
+        {"reinsertion", &BvhParams::reinsertion, "rounds in which subtrees of the binary tree are moved to better places", 0, 1000},
         {"width", &BvhParams::width, "most children of a node, by opening nodes and grouping children; 0: as built", 0, 64},
     };
   }

@@ -22,8 +22,18 @@ struct GoldsmithSalmonParams {
   bool leaf_boxes = true;
 };
 
+struct SbvhParams {
+  double split_overlap = 1e-5;
+  double split_budget = 1.0;
+};
+
+struct PlocParams {
+  int ploc_radius = 14;
+};
+
 /// What is done to a hierarchy once it is built.
 struct TreeParams {
+  int reinsertion = 0;
   int width = 0;
 };
 
