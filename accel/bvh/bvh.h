@@ -5,20 +5,21 @@
 #include "accel/bvh/builders.h"
 #include "accel/bvh/bvh_params.h"
 #include "accel/technique.h"
+#include "accel/volumes.h"
 
 namespace raymeter {
 
-struct BvhParams : SahParams, GoldsmithSalmonParams, SbvhParams, PlocParams, TreeParams {
+struct BvhParams : SahParams, GoldsmithSalmonParams, SbvhParams, PlocParams, TreeParams, VolumeParams {
   std::string volume = "aabb";
   std::string builder = "binned_sah";
   std::string traversal = "packet";
 
   static auto fields() {
     using Field = Param<BvhParams>;
-    return std::vector<Field>{
-        {"volume", &BvhParams::volume, "bounding volume of a node", 0, 0, {"aabb"}},
+    std::vector<Field> fields{
+        {"volume", &BvhParams::volume, "bounding volume of a node", 0, 0, {"aabb", "sphere", "obb", "kdop"}},
         {"builder", &BvhParams::builder, "how the hierarchy is built", 0, 0, bvh_builder_names()},
-        {"traversal", &BvhParams::traversal, "how rays go through it", 0, 0, {"packet"}, ParamUse::query},
+        {"traversal", &BvhParams::traversal, "how rays go through it", 0, 0, {"packet", "heap"}, ParamUse::query},
         {"bins", &BvhParams::bins, "binned_sah: bins per axis, where a node has at least that many primitives", 2, 64},
         {"max_leaf_size", &BvhParams::max_leaf_size, "surface area heuristic: larger leaves are split even where that costs more", 1, 64},
         {"node_cost", &BvhParams::node_cost, "surface area heuristic: cost of a node in primitive tests", 0.01, 100},
@@ -38,16 +39,21 @@ struct BvhParams : SahParams, GoldsmithSalmonParams, SbvhParams, PlocParams, Tre
         {"reinsertion", &BvhParams::reinsertion, "rounds in which subtrees of the binary tree are moved to better places", 0, 1000},
         {"width", &BvhParams::width, "most children of a node, by opening nodes and grouping children; 0: as built", 0, 64},
     };
+    const std::vector<Field> volume = volume_fields<BvhParams>();
+    fields.insert(fields.end(), volume.begin(), volume.end());
+    return fields;
   }
 };
 
+/// All parameters with their values; throws Error also where those of the volume contradict each other.
+[[nodiscard]] ParamValues resolve_bvh(const ParamValues& values);
 [[nodiscard]] std::unique_ptr<Structure> build_bvh(const Scene& scene, const ParamValues& values, int threads);
 
 inline constexpr StructureEntry kBvhEntry{"bvh",
-                                          "bounding volume hierarchy, traversed by packets front to back",
+                                          "bounding volume hierarchy: volume x builder x traversal",
                                           "Rubin, Whitted 1980; Goldsmith, Salmon 1987; Wald 2007 (binned SAH)",
                                           param_infos<BvhParams>,
-                                          resolve_params<BvhParams>,
+                                          resolve_bvh,
                                           build_bvh};
 
 }  // namespace raymeter

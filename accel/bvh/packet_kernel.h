@@ -7,11 +7,14 @@
 
 namespace raymeter {
 
-/// Stack traversal of a packet, front to back.
-template <Isa I, class Stats>
-struct BvhPacketKernel {
-  static void closest(const BvhView& bvh, const TraceArgs& args, Counters* counters) noexcept;
-  static void any(const BvhView& bvh, const TraceArgs& args, Counters* counters) noexcept;
+/// Stack traversal of a packet, front to back. Defined in packet_traversal_kernel.h; instantiated in one *_kernel.cpp for each kind of volume.
+template <class Layout>
+struct BvhPacket {
+  template <Isa I, class Stats>
+  struct Kernel {
+    static void closest(const BvhView<Layout>& bvh, const TraceArgs& args, Counters* counters) noexcept;
+    static void any(const BvhView<Layout>& bvh, const TraceArgs& args, Counters* counters) noexcept;
+  };
 };
 
 }  // namespace raymeter

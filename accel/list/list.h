@@ -1,19 +1,38 @@
 #pragma once
 
-#include <array>
+#include <vector>
 
 #include "accel/technique.h"
+#include "accel/volumes.h"
 
 namespace raymeter {
 
-struct ListParams {
-  static std::array<Param<ListParams>, 0> fields() { return {}; }
+struct ListParams : VolumeParams {
+  std::string volume = "none";
+  std::string around = "primitive";
+
+  static auto fields() {
+    using Field = Param<ListParams>;
+    std::vector<Field> fields{
+        Field{"volume", &ListParams::volume, "bounding volume that is tested before an object", 0, 0, {"none", "sphere", "aabb", "obb", "kdop"}},
+        Field{"around", &ListParams::around, "what has a volume: each primitive, or each composite object of the scene", 0, 0, {"primitive", "object"}},
+    };
+    const std::vector<Field> volume = volume_fields<ListParams>();
+    fields.insert(fields.end(), volume.begin(), volume.end());
+    return fields;
+  }
 };
+
+/// All parameters with their values; throws Error also where those of the volume contradict each other.
+[[nodiscard]] ParamValues resolve_list(const ParamValues& values);
 
 [[nodiscard]] std::unique_ptr<Structure> build_list(const Scene& scene, const ParamValues& values, int threads);
 
-inline constexpr StructureEntry kListEntry{
-    "list", "every ray against every primitive: the reference that all others are held against", "Whitted 1980, CACM 23(6)",
-    param_infos<ListParams>, resolve_params<ListParams>, build_list};
+inline constexpr StructureEntry kListEntry{"list",
+                                           "every ray against every object, optionally behind a bounding volume: the reference that all others are held against",
+                                           "Whitted 1980, CACM 23(6)",
+                                           param_infos<ListParams>,
+                                           resolve_list,
+                                           build_list};
 
 }  // namespace raymeter

@@ -1,6 +1,9 @@
 #include "accel/kernel_intersector.h"
+#include "accel/list/bounded_list_kernel.h"
 #include "accel/list/list.h"
 #include "accel/list/list_kernel.h"
+#include "accel/volume_links.h"
+#include "core/base/threads.h"
 
 namespace raymeter {
 
@@ -30,8 +33,83 @@ private:
   BuildStats stats_;
 };
 
+/// The objects that get a volume of their own: composites, or all primitives. Dropped ones are left out.
+std::vector<std::vector<PrimRef>> objects_of(const Scene& scene, bool composites) {
+  std::vector<std::vector<PrimRef>> objects;
+  for (std::int32_t id = 0; id < scene.prim_id_count();) {
+    const Object* const object = composites ? scene.object_of(id) : nullptr;
+    const std::int32_t end = object != nullptr ? object->end_prim : id + 1;
+    std::vector<PrimRef> prims;
+    for (; id < end; ++id) {
+      if (!scene.prim(id).dropped()) prims.push_back(scene.prim(id));
+    }
+    if (!prims.empty()) objects.push_back(std::move(prims));
+  }
+  return objects;
+}
+
+/// What an object's primitives are in the scene's pools: they were added one after another, so that those of a kind lie together.
+std::vector<PrimitiveRun> runs_of(std::span<const PrimRef> prims) {
+  std::vector<PrimitiveRun> runs;
+  for (std::size_t kind = 0; kind < kPrimKindCount; ++kind) {
+    std::int32_t first = 0, count = 0;
+    for (const PrimRef prim : prims) {
+      if (prim.kind() == static_cast<PrimKind>(kind) && count++ == 0) first = static_cast<std::int32_t>(prim.index);
+    }
+    if (count > 0) runs.push_back(primitive_run(static_cast<PrimKind>(kind), first, count));
+  }
+  return runs;
+}
+
+template <BoundingVolume V>
+class BoundedObjects final : public Structure {
+public:
+  using View = BoundedListView<typename V::Layout>;
+
+  BoundedObjects(const Scene& scene, bool composites, const V& volume, int threads)
+      : scene_(scene), links_(make_links(scene, objects_of(scene, composites), volume, threads, count_)) {
+    stats_.leaves = count_;
+    stats_.references = scene.prim_count();
+    stats_.max_depth = 0;
+    stats_.mem_bytes = sizeof *this + links_.mem_bytes();
+  }
+  [[nodiscard]] const BuildStats& stats() const noexcept override { return stats_; }
+  [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
+    const View view{links_.view(scene_.pools()), count_};
+    return std::make_unique<KernelIntersector<View>>(view, kernels_for<BoundedList<typename V::Layout>::template Kernel, View>(options.isa), options.packet);
+  }
+
+private:
+  static VolumeLinks<V> make_links(const Scene& scene, const std::vector<std::vector<PrimRef>>& objects, const V& volume, int threads, std::int32_t& count) {
+    std::vector<VolumeLink> links;
+    std::vector<PrimitiveRun> runs;
+    for (const std::vector<PrimRef>& prims : objects) links.push_back(link_to(runs_of(prims), runs));
+    std::vector<typename V::Bound> bounds(objects.size());
+    on_threads(threads, [&] { for_each_index(objects.size(), [&](std::size_t i) { bounds[i] = volume.fit(scene, objects[i]); }); });
+    count = static_cast<std::int32_t>(objects.size());
+    return VolumeLinks<V>(volume, links, bounds, std::move(runs));
+  }
+
+  const Scene& scene_;
+  std::int32_t count_ = 0;
+  VolumeLinks<V> links_;
+  BuildStats stats_;
+};
+
 }  // namespace
 
-std::unique_ptr<Structure> build_list(const Scene& scene, const ParamValues&, int) { return std::make_unique<List>(scene); }
+ParamValues resolve_list(const ParamValues& values) {
+  const auto params = bind<ListParams>(values);
+  check_volume(params.volume, params);
+  return resolved(params);
+}
+
+std::unique_ptr<Structure> build_list(const Scene& scene, const ParamValues& values, int threads) {
+  const auto params = bind<ListParams>(values);
+  if (params.volume == "none") return std::make_unique<List>(scene);
+  return with_volume(params.volume, params, scene, [&]<class V>(const V& volume) -> std::unique_ptr<Structure> {
+    return std::make_unique<BoundedObjects<V>>(scene, params.around == "object", volume, threads);
+  });
+}
 
 }  // namespace raymeter

@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <utility>
 
+#include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
+#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 namespace raymeter {
@@ -20,6 +22,14 @@ auto on_threads(int threads, Body&& body) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(std::max(count, all_threads())));
   tbb::task_arena arena(count);
   return arena.execute(std::forward<Body>(body));
+}
+
+/// Calls body(i) for each i below `count`, on the threads of the arena that it is called in.
+template <class Body>
+void for_each_index(std::size_t count, Body&& body) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 64), [&](const tbb::blocked_range<std::size_t>& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
+  });
 }
 
 }  // namespace raymeter

@@ -8,6 +8,8 @@ namespace raymeter {
 /// Axis-aligned boxes, padded.
 struct AabbVolume {
   using Bound = Aabb;
+  using Layout = AabbLayout;
+  static constexpr bool kMergeIsTight = true;
 
   [[nodiscard]] Aabb fit(const Scene& scene, PrimRef prim) const noexcept { return padded_bounds(scene.pools(), prim); }
   [[nodiscard]] Aabb fit(const Scene& scene, std::span<const PrimRef> prims) const noexcept {
@@ -24,6 +26,15 @@ struct AabbVolume {
     if (box.empty()) return 0;
     const glm::dvec3 e = glm::dvec3(box.max) - glm::dvec3(box.min);
     return e.x * e.y + e.y * e.z + e.z * e.x;
+  }
+
+  [[nodiscard]] std::int32_t floats() const noexcept { return Layout::kFloats; }
+  [[nodiscard]] Layout::Shared shared() const noexcept { return {}; }
+  void write(const Aabb& box, float* data) const noexcept {
+    for (glm::length_t a = 0; a < 3; ++a) {
+      data[a] = box.min[a];
+      data[a + 3] = box.max[a];
+    }
   }
 };
 static_assert(BoundingVolume<AabbVolume>);

@@ -107,7 +107,11 @@ KdopVolume::KdopVolume(const Scene& scene, std::vector<glm::vec3> directions) : 
   for (std::int32_t id = 0; id < scene.prim_id_count(); ++id) {
     if (!scene.prim(id).dropped()) box.grow(tight_bounds(scene.pools(), scene.prim(id)));
   }
-  if (!box.empty()) origin_ = glm::vec3((glm::dvec3(box.min) + glm::dvec3(box.max)) / 2.0);
+  if (!box.empty()) {
+    origin_ = glm::vec3((glm::dvec3(box.min) + glm::dvec3(box.max)) / 2.0);
+    // A percent more, for what hits may be off.
+    radius_ = round_up(1.01 * glm::length(glm::max(glm::dvec3(box.max) - glm::dvec3(origin_), glm::dvec3(origin_) - glm::dvec3(box.min))));
+  }
   basis_ = glm::dmat3(0.0);
   for (std::size_t i = 0; i < directions_.size(); ++i) {
     for (std::size_t j = i + 1; j < directions_.size(); ++j) {
@@ -186,6 +190,25 @@ double KdopVolume::half_area(const Kdop& kdop) const noexcept {
     area += face.area();
   }
   return area / 2;
+}
+
+KdopLayout::Shared KdopVolume::shared() const noexcept {
+  KdopLayout::Shared slabs{};
+  slabs.count = static_cast<std::int32_t>(directions_.size());
+  for (std::size_t i = 0; i < directions_.size(); ++i) {
+    for (glm::length_t a = 0; a < 3; ++a) slabs.direction[i][a] = directions_[i][a];
+    slabs.length[i] = round_up(glm::length(glm::dvec3(directions_[i])) * (1 + 0x1p-48));
+  }
+  for (glm::length_t a = 0; a < 3; ++a) slabs.origin[a] = origin_[a];
+  slabs.radius = radius_;
+  return slabs;
+}
+
+void KdopVolume::write(const Kdop& kdop, float* data) const noexcept {
+  for (std::size_t i = 0; i < directions_.size(); ++i) {
+    data[2 * i] = kdop.min[i];
+    data[2 * i + 1] = kdop.max[i];
+  }
 }
 
 }  // namespace raymeter

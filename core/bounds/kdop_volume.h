@@ -11,7 +11,7 @@
 
 namespace raymeter {
 
-inline constexpr std::size_t kMaxSlabs = 13;
+inline constexpr std::size_t kMaxSlabs = KdopLayout::kMaxSlabs;
 
 /// Slab i is min[i] <= N_i . (x - origin) <= max[i]; those beyond the number of directions are not used.
 struct Kdop {
@@ -23,6 +23,8 @@ struct Kdop {
 class KdopVolume {
 public:
   using Bound = Kdop;
+  using Layout = KdopLayout;
+  static constexpr bool kMergeIsTight = true;
 
   /// The usual sets, k = 6 8 12 14 18 20 26: axes, the four diagonals of a cube, the six of its faces, and their unions. Throws Error for another k.
   KdopVolume(const Scene& scene, int k);
@@ -35,6 +37,10 @@ public:
   /// Of the polytope that the slabs cut out.
   [[nodiscard]] double half_area(const Kdop& kdop) const noexcept;
 
+  [[nodiscard]] std::int32_t floats() const noexcept { return 2 * static_cast<std::int32_t>(directions_.size()); }
+  [[nodiscard]] Layout::Shared shared() const noexcept;
+  void write(const Kdop& kdop, float* data) const noexcept;
+
   [[nodiscard]] std::span<const glm::vec3> directions() const noexcept { return directions_; }
   /// Slabs are measured from here, the middle of the scene: far from it N . x would have no room for a small object.
   [[nodiscard]] const glm::vec3& origin() const noexcept { return origin_; }
@@ -44,6 +50,7 @@ private:
 
   std::vector<glm::vec3> directions_;
   glm::vec3 origin_{0.0f};
+  float radius_ = 0;  ///< of all that can be hit, from the origin
   std::array<std::size_t, 3> basis_slabs_{};  ///< three that enclose as much as any three of one width
   glm::dmat3 basis_{0.0};                      ///< their directions as rows
 };

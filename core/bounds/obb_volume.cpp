@@ -194,4 +194,13 @@ Obb ObbVolume::merge(const Obb& a, const Obb& b) const noexcept {
 
 double ObbVolume::half_area(const Obb& box) const noexcept { return half_area_of(glm::dvec3(box.half)); }
 
+void ObbVolume::write(const Obb& box, float* data) const noexcept {
+  for (glm::length_t a = 0; a < 3; ++a) {
+    data[a] = box.center[a];
+    for (glm::length_t i = 0; i < 3; ++i) data[3 + 3 * i + a] = box.axis[static_cast<std::size_t>(i)][a];
+    data[12 + a] = box.half[a];
+  }
+  data[15] = round_up(double{box.half.x} + double{box.half.y} + double{box.half.z});
+}
+
 }  // namespace raymeter

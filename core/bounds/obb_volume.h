@@ -24,6 +24,8 @@ enum class ObbAxes : std::uint8_t { object, pca, best };
 /// Oriented bounding boxes.
 struct ObbVolume {
   using Bound = Obb;
+  using Layout = ObbLayout;
+  static constexpr bool kMergeIsTight = false;
   ObbAxes axes = ObbAxes::best;
 
   [[nodiscard]] Obb fit(const Scene& scene, PrimRef prim) const { return fit(scene, {&prim, 1}); }
@@ -31,6 +33,10 @@ struct ObbVolume {
   /// Along the axes of a, of b or of the world, whichever gives the least area.
   [[nodiscard]] Obb merge(const Obb& a, const Obb& b) const noexcept;
   [[nodiscard]] double half_area(const Obb& box) const noexcept;
+
+  [[nodiscard]] std::int32_t floats() const noexcept { return Layout::kFloats; }
+  [[nodiscard]] Layout::Shared shared() const noexcept { return {}; }
+  void write(const Obb& box, float* data) const noexcept;
 };
 static_assert(BoundingVolume<ObbVolume>);
 

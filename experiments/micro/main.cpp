@@ -1,4 +1,4 @@
-// Micro-benchmarks of the primitive tests: nanoseconds per ray-primitive test, for each instruction set, with coherent and with mixed rays.
+// Micro-benchmarks of the tests of primitives and bounding volumes: nanoseconds per test of a ray, for each instruction set, with coherent and with mixed rays.
 //
 // All targets cover about half of a square window around the origin, through which every ray passes. Coherent rays come from one eye, share their octant and
 // lie in tiles of 4 x 4, so that most packets meet a target as a whole or not at all; mixed rays come from everywhere, in no order.
@@ -13,6 +13,10 @@
 
 #include <benchmark/benchmark.h>
 
+#include "core/bounds/aabb_volume.h"
+#include "core/bounds/kdop_volume.h"
+#include "core/bounds/obb_volume.h"
+#include "core/bounds/sphere_volume.h"
 #include "core/ray/ray_batch.h"
 #include "core/scene/scene.h"
 #include "core/simd/isa.h"
@@ -29,12 +33,16 @@ struct MicroFunctions {
   MicroFunction triangles;
   MicroFunction polygons;
   MicroFunction cones;
-  MicroFunction boxes;
+  MicroFunction bounding_boxes;
+  MicroFunction bounding_spheres;
+  MicroFunction oriented_boxes;
+  MicroFunction bounding_slabs;
 };
 
 template <Isa I>
 constexpr MicroFunctions functions_of() {
-  return {MicroKernel<I>::spheres, MicroKernel<I>::triangles, MicroKernel<I>::polygons, MicroKernel<I>::cones, MicroKernel<I>::boxes};
+  return {MicroKernel<I>::spheres, MicroKernel<I>::triangles, MicroKernel<I>::polygons, MicroKernel<I>::cones,          MicroKernel<I>::bounding_boxes,
+          MicroKernel<I>::bounding_spheres, MicroKernel<I>::oriented_boxes, MicroKernel<I>::bounding_slabs};
 }
 constexpr std::array kFunctions{functions_of<Isa::scalar>(), functions_of<Isa::sse42>(), functions_of<Isa::avx2>(), functions_of<Isa::avx512>()};
 
@@ -57,7 +65,8 @@ std::vector<glm::dvec3> outline(int corners, const glm::dvec2& center, double in
 /// Targets of one kind, each moved a little.
 struct Targets {
   Scene scene;
-  std::vector<float> boxes;
+  std::vector<float> volumes;
+  KdopLayout::Shared slabs{};
 
   template <class Add>
   explicit Targets(Add add) {
@@ -83,9 +92,32 @@ void add_polygon(Targets& targets, const glm::dvec2& at) { targets.scene.add_pol
 
 void add_cone(Targets& targets, const glm::dvec2& at) { targets.scene.add_cone({at.x, at.y - 0.6, 0}, 0.75, {at.x, at.y + 0.6, 0}, 0.4); }
 
-void add_box(Targets& targets, const glm::dvec2& at) {
-  const auto x = static_cast<float>(at.x), y = static_cast<float>(at.y);
-  targets.boxes.insert(targets.boxes.end(), {x - 0.5f, y - 0.5f, -0.5f, x + 0.5f, y + 0.5f, 0.5f});
+/// A volume of the kind about each target, a slender cone that is tilted.
+template <class V>
+void add_volumes(Targets& targets, const V& volume) {
+  for (std::int32_t id = 0; id < targets.scene.prim_id_count(); ++id) {
+    const std::size_t first = targets.volumes.size();
+    targets.volumes.resize(first + static_cast<std::size_t>(volume.floats()));
+    volume.write(volume.fit(targets.scene, targets.scene.prim(id)), targets.volumes.data() + first);
+  }
+}
+
+void add_tilted(Targets& targets, const glm::dvec2& at) { targets.scene.add_cone({at.x - 0.5, at.y - 0.4, -0.3}, 0.3, {at.x + 0.5, at.y + 0.4, 0.3}, 0.2); }
+
+template <class V>
+Targets bounded(const V& volume) {
+  Targets targets(add_tilted);
+  add_volumes(targets, volume);
+  return targets;
+}
+
+/// Their directions lie about the scene's middle.
+Targets bounded_by_slabs(int k) {
+  Targets targets(add_tilted);
+  const KdopVolume volume(targets.scene, k);
+  targets.slabs = volume.shared();
+  add_volumes(targets, volume);
+  return targets;
 }
 
 Ray ray_through(const glm::dvec3& org, double x, double y) {
@@ -123,7 +155,8 @@ void measure(benchmark::State& state, Isa isa, MicroFunction MicroFunctions::*te
     return;
   }
   const MicroFunction function = kFunctions[static_cast<std::size_t>(isa)].*test;
-  const MicroTargets view{targets.scene.pools().view(), targets.boxes.data(), kTargetCount};
+  const MicroTargets view{targets.scene.pools().view(), targets.volumes.data(), static_cast<std::int32_t>(targets.volumes.size()) / kTargetCount, targets.slabs,
+                          kTargetCount};
   const RayView ray_view = rays.view();
   MicroSums sums{};
   for (auto _ : state) {
@@ -153,7 +186,12 @@ int main(int argc, char** argv) {
   const std::array kinds{
       Kind{"sphere", &MicroFunctions::spheres, Targets(add_sphere)},       Kind{"triangle", &MicroFunctions::triangles, Targets(add_triangle)},
       Kind{"quad", &MicroFunctions::polygons, Targets(add_quad)},          Kind{"polygon144", &MicroFunctions::polygons, Targets(add_polygon)},
-      Kind{"cone", &MicroFunctions::cones, Targets(add_cone)},             Kind{"box", &MicroFunctions::boxes, Targets(add_box)},
+      Kind{"cone", &MicroFunctions::cones, Targets(add_cone)},             Kind{"aabb", &MicroFunctions::bounding_boxes, bounded(AabbVolume())},
+      Kind{"bounding_sphere", &MicroFunctions::bounding_spheres, bounded(SphereVolume())},
+      Kind{"obb", &MicroFunctions::oriented_boxes, bounded(ObbVolume())},
+      Kind{"kdop6", &MicroFunctions::bounding_slabs, bounded_by_slabs(6)},
+      Kind{"kdop14", &MicroFunctions::bounding_slabs, bounded_by_slabs(14)},
+      Kind{"kdop26", &MicroFunctions::bounding_slabs, bounded_by_slabs(26)},
   };
   const RayBatch coherent = coherent_rays(), mixed = mixed_rays();
   for (const Kind& kind : kinds) {

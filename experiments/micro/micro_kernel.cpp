@@ -2,7 +2,10 @@
 
 #include "experiments/micro/micro_kernel.h"
 
-#include "core/bounds/slab_kernel.h"
+#include "core/bounds/aabb_kernel.h"
+#include "core/bounds/kdop_kernel.h"
+#include "core/bounds/obb_kernel.h"
+#include "core/bounds/sphere_volume_kernel.h"
 #include "core/geometry/cone_kernel.h"
 #include "core/geometry/polygon_kernel.h"
 #include "core/geometry/sphere_kernel.h"
@@ -13,9 +16,9 @@ namespace raymeter {
 
 namespace {
 
-/// Calls test(ray, hit, i) for every register of rays and target i.
-template <class L, class Test>
-MicroSums test_all(const MicroTargets& targets, const RayView& rays, Test test) noexcept {
+/// Calls prepare(ray) for every register of rays, and test(ray, hit, i) for each and every target i.
+template <class L, class Prepare, class Test>
+MicroSums test_all(const MicroTargets& targets, const RayView& rays, Prepare prepare, Test test) noexcept {
   using Float = typename L::Float;
   Float hits(0.0f), t_sum(0.0f);
   for (std::int32_t first = 0; first < rays.count; first += L::kWidth) {
@@ -23,6 +26,7 @@ MicroSums test_all(const MicroTargets& targets, const RayView& rays, Test test) 
     RayPacket<L> ray;
     HitPacket<L> hit;
     load_group<L>(rays, first, left < L::kWidth ? left : L::kWidth, ray, hit);
+    prepare(ray);
     const auto live = hit.t > Float(-kInfinity);
     for (std::int32_t i = 0; i < targets.count; ++i) {
       const SurfaceHit<L> found = test(ray, hit, i);
@@ -41,6 +45,11 @@ MicroSums test_all(const MicroTargets& targets, const RayView& rays, Test test) 
     sums.t += t_lane[lane];
   }
   return sums;
+}
+
+template <class L, class Test>
+MicroSums test_all(const MicroTargets& targets, const RayView& rays, Test test) noexcept {
+  return test_all<L>(targets, rays, [](const RayPacket<L>&) noexcept {}, test);
 }
 
 }  // namespace
@@ -77,16 +86,42 @@ MicroSums MicroKernel<I>::cones(const MicroTargets& targets, const RayView& rays
   });
 }
 
+namespace {
+
+template <class L, class Layout>
+MicroSums test_volumes(const MicroTargets& targets, const RayView& rays, const typename Layout::Shared& shared) noexcept {
+  VolumeRays<Layout, L> set_up;
+  return test_all<L>(
+      targets, rays, [&](const RayPacket<L>& ray) noexcept { set_up.prepare(shared, ray); },
+      [&](const RayPacket<L>& ray, const HitPacket<L>& hit, std::int32_t i) noexcept {
+        const float* const data = targets.volumes + i * targets.volume_floats;
+        const SlabInterval<L> inside = VolumeRays<Layout, L>::kSigned && ray.octant >= 0
+                                           ? intersect_volume(ray, set_up, hit.t, VolumeTest<Layout, L, true>(shared, data, ray.octant))
+                                           : intersect_volume(ray, set_up, hit.t, VolumeTest<Layout, L, false>(shared, data, 0));
+        return SurfaceHit<L>{inside.t_near <= inside.t_far, inside.t_near, inside.t_near, inside.t_far};
+      });
+}
+
+}  // namespace
+
 template <Isa I>
-MicroSums MicroKernel<I>::boxes(const MicroTargets& targets, const RayView& rays) noexcept {
-  using L = Lanes<I>;
-  return test_all<L>(targets, rays, [&](const RayPacket<L>& ray, const HitPacket<L>& hit, std::int32_t i) noexcept {
-    const float* box = targets.boxes + 6 * i;
-    const SlabInterval<L> inside = ray.octant >= 0
-                                       ? intersect_box(ray, hit.t, BoxPlanes<L, true>(box, ray.octant))
-                                       : intersect_box(ray, hit.t, BoxPlanes<L, false>(box, 0));
-    return SurfaceHit<L>{inside.t_near <= inside.t_far, inside.t_near, inside.t_near, inside.t_far};
-  });
+MicroSums MicroKernel<I>::bounding_boxes(const MicroTargets& targets, const RayView& rays) noexcept {
+  return test_volumes<Lanes<I>, AabbLayout>(targets, rays, {});
+}
+
+template <Isa I>
+MicroSums MicroKernel<I>::bounding_spheres(const MicroTargets& targets, const RayView& rays) noexcept {
+  return test_volumes<Lanes<I>, SphereLayout>(targets, rays, {});
+}
+
+template <Isa I>
+MicroSums MicroKernel<I>::oriented_boxes(const MicroTargets& targets, const RayView& rays) noexcept {
+  return test_volumes<Lanes<I>, ObbLayout>(targets, rays, {});
+}
+
+template <Isa I>
+MicroSums MicroKernel<I>::bounding_slabs(const MicroTargets& targets, const RayView& rays) noexcept {
+  return test_volumes<Lanes<I>, KdopLayout>(targets, rays, targets.slabs);
 }
 
 template struct MicroKernel<kKernelIsa>;

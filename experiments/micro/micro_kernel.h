@@ -2,16 +2,19 @@
 
 #include <cstdint>
 
+#include "core/bounds/volume_layout.h"
 #include "core/ray/views.h"
 #include "core/scene/pools_view.h"
 #include "core/simd/isa_enum.h"
 
 namespace raymeter {
 
-/// What rays are tested against: `count` primitives of the kind in question, by position in their pool, or boxes (min x y z, max x y z).
+/// What rays are tested against: `count` primitives of the kind in question, by position in their pool, or bounding volumes, each of `volume_floats` numbers.
 struct MicroTargets {
   PoolsView pools;
-  const float* boxes;
+  const float* volumes;
+  std::int32_t volume_floats;
+  KdopLayout::Shared slabs;
   std::int32_t count;
 };
 
@@ -28,7 +31,10 @@ struct MicroKernel {
   static MicroSums triangles(const MicroTargets& targets, const RayView& rays) noexcept;
   static MicroSums polygons(const MicroTargets& targets, const RayView& rays) noexcept;
   static MicroSums cones(const MicroTargets& targets, const RayView& rays) noexcept;
-  static MicroSums boxes(const MicroTargets& targets, const RayView& rays) noexcept;
+  static MicroSums bounding_boxes(const MicroTargets& targets, const RayView& rays) noexcept;
+  static MicroSums bounding_spheres(const MicroTargets& targets, const RayView& rays) noexcept;
+  static MicroSums oriented_boxes(const MicroTargets& targets, const RayView& rays) noexcept;
+  static MicroSums bounding_slabs(const MicroTargets& targets, const RayView& rays) noexcept;
 };
 
 }  // namespace raymeter

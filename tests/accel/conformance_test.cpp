@@ -1,6 +1,7 @@
 // What every row of the table of techniques must keep, on every instruction set, scene and packet size, with its default parameters and others.
 
 #include <algorithm>
+#include <array>
 #include <ostream>
 #include <set>
 
@@ -8,6 +9,7 @@
 
 #include "accel/registry.h"
 #include "experiments/verify/verify.h"
+#include "tests/support/capsule_bvh.h"
 #include "tests/support/test_rays.h"
 #include "tests/support/traces.h"
 
@@ -30,9 +32,11 @@ struct Case {
 
 std::vector<Case> all_cases() {
   std::vector<Case> cases;
-  for (const StructureEntry& entry : structures()) {
+  const auto add = [&](const StructureEntry& entry) {
     for (const Isa isa : kIsas) cases.push_back({&entry, isa});
-  }
+  };
+  for (const StructureEntry& entry : structures()) add(entry);
+  add(test::capsule_bvh_entry());
   return cases;
 }
 
@@ -59,7 +63,23 @@ std::vector<ParamValue> other_values(const ParamInfo& info) {
   return values;
 }
 
-/// The technique with its defaults first, then with one parameter changed at a time.
+/// Parameters that mean something only together, besides those that are tried one at a time.
+constexpr std::array kTogether{
+    "list:volume=aabb,around=object",
+    "list:volume=sphere,tight=on,around=object",
+    "list:volume=obb,axes=object,around=object",
+    "list:volume=kdop,k=26,around=object",
+    "bvh:volume=sphere,traversal=heap",
+    "bvh:volume=sphere,tight=on,builder=goldsmith_salmon",
+    "bvh:volume=obb,traversal=heap,axes=pca",
+    "bvh:volume=obb,axes=object,width=4",
+    "bvh:volume=kdop,traversal=heap,k=26",
+    "bvh:volume=kdop,k=6,builder=goldsmith_salmon",
+    "bvh:volume=kdop,directions=1 0.25 0/-0.5 2 0.125/3 1 -4/0 0 1",
+    "bvh:traversal=heap,builder=goldsmith_salmon",
+};
+
+/// The technique with its defaults first, then with one parameter changed at a time, then with those that go together.
 std::vector<ParamValues> variants(const StructureEntry& entry) {
   std::vector<ParamValues> out{entry.resolve({})};
   for (const ParamInfo& info : entry.params()) {
@@ -70,6 +90,9 @@ std::vector<ParamValues> variants(const StructureEntry& entry) {
         // A value that needs another parameter to go with it is for the technique's own tests.
       }
     }
+  }
+  for (const std::string_view technique : kTogether) {
+    if (technique.substr(0, technique.find(':')) == entry.name) out.push_back(parse_technique(technique).params);
   }
   return out;
 }
