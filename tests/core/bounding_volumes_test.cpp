@@ -6,6 +6,8 @@
 
 #include <gmpxx.h>
 
+#include "accel/bvh/bvh_structure.h"
+#include "accel/registry.h"
 #include "core/bounds/aabb_volume.h"
 #include "core/bounds/kdop_volume.h"
 #include "core/bounds/obb_volume.h"
@@ -171,6 +173,36 @@ TEST(BoundingVolumes, HoldPrimitivesOfAnySize) {
   }
   scene.finish();
   expect_all_hold(scene, 1000);
+}
+
+/// Every node's volume holds what is below it, in trees of two shapes.
+template <class V>
+void expect_ancestors_hold(const V& volume, const Scene& scene) {
+  Random random(33);
+  for (const char* technique : {"bvh:builder=binned_sah", "bvh:builder=goldsmith_salmon"}) {
+    const BvhTree tree = build_bvh_tree(scene, raymeter::bind<BvhParams>(parse_technique(technique).params), 1);
+    const FlatTree flat = flatten(tree);
+    const auto bounds = link_bounds(volume, scene, tree, flat, 1);
+    for (std::size_t i = 0; i < bounds.size(); ++i) {
+      const FlatTree::Source& source = flat.sources[i];
+      for (int point = 0; source.node >= 0 && point < 3; ++point) {
+        const PrimRef prim = flat.order[static_cast<std::size_t>(source.first_prim) + random.below(static_cast<std::size_t>(source.end_prim - source.first_prim))];
+        const Exact p = surface_point(scene.pools(), prim, random) + error_for(volume, tight_bounds(scene.pools(), prim), random);
+        ASSERT_TRUE(holds(volume, bounds[i], p)) << scene.name << " " << technique << " node " << i;
+      }
+    }
+  }
+}
+
+TEST(BoundingVolumes, OfNodesHoldWhatIsBelow) {
+  for (const SceneGenerator& generator : scene_generators()) {
+    Scene scene = generator.make(std::min(generator.default_size, std::max(generator.min_size, 3)));
+    scene.name = std::string(generator.spec_prefix);
+    expect_ancestors_hold(AabbVolume{}, scene);
+    expect_ancestors_hold(SphereVolume{}, scene);
+    expect_ancestors_hold(ObbVolume{}, scene);
+    expect_ancestors_hold(KdopVolume(scene, 18), scene);
+  }
 }
 
 TEST(BoundingVolumes, AreAsTightAsTheirKindAllows) {

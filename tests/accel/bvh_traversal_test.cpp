@@ -1,0 +1,95 @@
+// The traversals of hierarchies on trees that no builder makes, with every kind of volume.
+
+#include <gtest/gtest.h>
+
+#include "accel/bvh/bvh_structure.h"
+#include "accel/volumes.h"
+#include "core/trace/trace.h"
+#include "tests/support/grid_rays.h"
+
+namespace raymeter {
+namespace {
+
+/// A leaf for each primitive of the scene, in order, from node `first` on.
+BvhTree leaves_of(const Scene& scene, std::size_t first) {
+  BvhTree tree;
+  tree.nodes.resize(first);
+  for (std::int32_t id = 0; id < scene.prim_id_count(); ++id) {
+    tree.nodes.push_back({padded_bounds(scene.pools(), scene.prim(id)), id, 0, 1});
+    tree.order.push_back(scene.prim(id));
+  }
+  return tree;
+}
+
+Aabb box_of(const Scene& scene) {
+  Aabb box;
+  for (std::int32_t id = 0; id < scene.prim_id_count(); ++id) box.grow(padded_bounds(scene.pools(), scene.prim(id)));
+  return box;
+}
+
+/// A root with all primitives as children.
+BvhTree flat_tree(const Scene& scene) {
+  BvhTree tree = leaves_of(scene, 1);
+  tree.nodes[0] = {box_of(scene), 1, scene.prim_id_count(), 0};
+  return tree;
+}
+
+/// Each inner node has a leaf and the next inner node for children: as deep as it has primitives.
+BvhTree chain(const Scene& scene) {
+  const Aabb box = box_of(scene);
+  BvhTree tree;
+  tree.nodes.push_back({box, 1, 2, 0});
+  for (std::int32_t id = 0; id < scene.prim_id_count(); ++id) {
+    tree.order.push_back(scene.prim(id));
+    tree.nodes.push_back({padded_bounds(scene.pools(), scene.prim(id)), id, 0, 1});
+    const auto next = static_cast<std::int32_t>(tree.nodes.size()) + 1;
+    if (id + 2 < scene.prim_id_count()) tree.nodes.push_back({box, next, 2, 0});
+  }
+  return tree;
+}
+
+void expect_equal_to_list(const Scene& scene, const BvhTree& tree, const RayBatch& rays) {
+  for (const Isa isa : {Isa::scalar, best_isa()}) {
+    const test::Answer list = test::answer(scene, rays, "list", isa, simd_width(isa));
+    for (const char* volume_name : {"aabb", "sphere", "obb", "kdop"}) {
+      with_volume(volume_name, VolumeParams{}, scene, [&]<class V>(const V& volume) {
+        const BvhStructure<V> structure(scene, tree, volume, 2);
+        for (const char* traversal : {"bvh:traversal=packet", "bvh:traversal=heap"}) {
+          for (const int packet : {1, kMaxPacket}) {
+            const auto intersector = structure.intersector({isa, packet, parse_technique(traversal).params});
+            HitBatch hits;
+            Column<std::int32_t> blockers;
+            trace_closest(*intersector, rays, hits, 2);
+            trace_any(*intersector, rays, blockers, 2);
+            EXPECT_TRUE(bits_equal(hits, list.hits)) << name(isa) << " " << volume_name << " " << traversal << " packet " << packet;
+            for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(blockers[i] >= 0, list.hits.prim[i] >= 0);
+          }
+        }
+      });
+    }
+  }
+}
+
+TEST(BvhTraversals, GoThroughANodeOf100000Children) {
+  const Scene scene = test::mixed_scene(100000, 0.01);
+  expect_equal_to_list(scene, flat_tree(scene), test::random_rays(40));
+}
+
+TEST(BvhTraversals, GoDownATreeAsDeepAsItHasPrimitives) {
+  const Scene scene = test::mixed_scene(1500, 0.1);
+  expect_equal_to_list(scene, chain(scene), test::random_rays(130));
+}
+
+TEST(BvhTraversals, NearestFirstOpensTheFewestNodes) {
+  const Scene scene = test::mixed_scene(2000, 0.1);
+  const RayBatch rays = test::random_rays(2000);
+  for (const std::string volume : {"aabb", "sphere", "obb", "kdop"}) {
+    const Counters stack = test::answer(scene, rays, "bvh:volume=" + volume, Isa::scalar, 1).closest;
+    const Counters heap = test::answer(scene, rays, "bvh:traversal=heap,volume=" + volume, Isa::scalar, 1).closest;
+    EXPECT_LT(heap.live(Event::node_visit), stack.live(Event::node_visit)) << volume;
+    EXPECT_LE(heap.live(Event::leaf_visit), stack.live(Event::leaf_visit)) << volume;
+  }
+}
+
+}  // namespace
+}  // namespace raymeter
