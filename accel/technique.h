@@ -22,7 +22,14 @@ struct BuildStats {
   std::optional<std::int64_t> max_depth;
   std::optional<double> sah_cost;  ///< expected tests of a random line that meets the root, C_t = C_i = 1
   std::optional<double> epo;       ///< end-point overlap
-  std::size_t mem_bytes = 0;       ///< of the structure alone, without the scene
+  // Of hierarchies, in the order of the criteria of a good one:
+  std::optional<double> sibling_distance;  ///< mean distance of children from their common centre, relative to the scene's diagonal
+  std::optional<double> node_volume;       ///< mean volume of a node, relative to the root's
+  std::optional<double> total_volume;      ///< of all nodes, relative to the root's
+  std::optional<double> cost_depth;        ///< mean depth of the SAH cost
+  std::optional<double> cost_depth_p90;    ///< depth down to which nine tenths of it lie
+  std::optional<double> epo_se;            ///< standard error of epo: 0 where nothing had to be sampled
+  std::size_t mem_bytes = 0;               ///< of the structure alone, without the scene
   [[nodiscard]] std::int64_t nodes() const noexcept { return interior_nodes + leaves; }
 };
 
@@ -52,6 +59,8 @@ struct StructureEntry {
   ParamValues (*resolve)(const ParamValues& values);
   /// Builds on at most `threads` threads (0: all). The result does not depend on their number.
   std::unique_ptr<Structure> (*build)(const Scene& scene, const ParamValues& values, int threads);
+  /// Adds to a build's figures those that take as long as another build, or longer, to find; null where there are none.
+  void (*add_quality)(const Scene& scene, const ParamValues& values, int threads, BuildStats& stats) = nullptr;
 };
 
 /// What a technique's Params give the table.

@@ -9,7 +9,6 @@
 #include "accel/bvh/goldsmith_salmon.h"
 #include "accel/bvh/reinsertion.h"
 #include "core/base/error.h"
-#include "core/bounds/aabb_volume.h"
 
 namespace raymeter {
 
@@ -25,8 +24,9 @@ BvhTree build_with(const Scene& scene, const BvhParams& params, int threads) {
   }
 }
 
+/// By the areas of the volume in use.
 BvhTree build_with_goldsmith_salmon(const Scene& scene, const BvhParams& params, int threads) {
-  return build_goldsmith_salmon(scene, AabbVolume(), params, threads);
+  return with_volume(params.volume, params, scene, [&](const auto& volume) { return build_goldsmith_salmon(scene, volume, params, threads); });
 }
 
 // THE table of builders: a new one is one file and one row.
@@ -47,8 +47,12 @@ std::vector<std::string_view> bvh_builder_names() {
   return names;
 }
 
-BvhTree build_bvh_tree(const Scene& scene, const BvhParams& params, int threads) {
+void check_tree_params(const TreeParams& params) {
   if (params.width == 1) throw Error("width: expected 0 or a whole number from 2 to 64, got 1");
+}
+
+BvhTree build_bvh_tree(const Scene& scene, const BvhParams& params, int threads) {
+  check_tree_params(params);
   const auto* const builder = std::find_if(kBuilders.begin(), kBuilders.end(), [&](const BvhBuilder& row) { return row.name == params.builder; });
   BvhTree tree = builder->build(scene, params, threads);
   if (params.reinsertion > 0) tree = reinserted(with_width(tree, 2, threads), params.reinsertion, threads);

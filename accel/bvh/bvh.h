@@ -48,12 +48,15 @@ struct BvhParams : SahParams, GoldsmithSalmonParams, SbvhParams, PlocParams, Tre
 /// All parameters with their values; throws Error also where those of the volume contradict each other.
 [[nodiscard]] ParamValues resolve_bvh(const ParamValues& values);
 [[nodiscard]] std::unique_ptr<Structure> build_bvh(const Scene& scene, const ParamValues& values, int threads);
+/// Builds once more to look at the tree.
+void add_bvh_quality(const Scene& scene, const ParamValues& values, int threads, BuildStats& stats);
 
 inline constexpr StructureEntry kBvhEntry{"bvh",
                                           "bounding volume hierarchy: volume x builder x traversal",
                                           "Rubin, Whitted 1980; Goldsmith, Salmon 1987; Wald 2007 (binned SAH)",
                                           param_infos<BvhParams>,
                                           resolve_bvh,
-                                          build_bvh};
+                                          build_bvh,
+                                          add_bvh_quality};
 
 }  // namespace raymeter

@@ -1,7 +1,10 @@
 #include "experiments/record/tables.h"
 
+#include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <functional>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -92,6 +95,32 @@ void add_sample_rows(const Source& source, const Experiment& cell, const std::fu
   }
 }
 
+/// Rays after which a build has paid off against another structure: n = (B1 - B2) / (c2 - c1) with build times B and times per ray c.
+std::string break_even(double build_ms, double ns_per_ray, double other_build_ms, double other_ns_per_ray) {
+  if (!(ns_per_ray < other_ns_per_ray)) return "never";
+  if (build_ms <= other_build_ms) return "always";
+  return number(std::ceil((build_ms - other_build_ms) * 1e6 / (other_ns_per_ray - ns_per_ray)));
+}
+
+/// The list in the cell's scene, rays and setting; null where the run has none, or the cell is one itself.
+const Experiment* list_beside(const Source& source, const Experiment& cell) {
+  if (cell.structure->name == "list") return nullptr;
+  const auto key = [](const Experiment& e) {
+    return std::tie(e.scene.name, e.rays.name, e.isa, e.packet, e.threads, e.first_hit, e.occlusion, e.max_depth, e.min_weight);
+  };
+  const auto found =
+      std::find_if(source.cells.begin(), source.cells.end(), [&](const Experiment& e) { return e.structure->name == "list" && key(e) == key(cell); });
+  return found == source.cells.end() ? nullptr : &*found;
+}
+
+std::string break_even_with_list(const Source& source, const Experiment& cell) {
+  const Experiment* const list = list_beside(source, cell);
+  if (list == nullptr || source.build(*list) == nullptr) return {};
+  const std::vector<double> times = ns_per_ray(source.records, cell.id), list_times = ns_per_ray(source.records, list->id);
+  if (times.empty() || list_times.empty()) return {};
+  return break_even(source.build(cell)->build_ms, median(times), source.build(*list)->build_ms, median(list_times));
+}
+
 void add_build_rows(const Source& source, const Experiment& cell, const std::function<void(Row)>& add) {
   const BuildRecord* const build = source.build(cell);
   const SceneRecord* const scene = source.scene(cell);
@@ -99,10 +128,26 @@ void add_build_rows(const Source& source, const Experiment& cell, const std::fun
   const BuildStats& s = build->stats;
   const double prims = scene->num_prims;
   const auto scene_bytes = static_cast<double>(scene->scene_bytes);
-  add({number(build->build_ms), prims > 0 && build->build_ms > 0 ? number(prims / (build->build_ms * 1e3)) : "", number(s.nodes()), number(s.interior_nodes),
-       number(s.leaves), number(s.empty_leaves), number(s.references), number(s.max_depth), number(s.sah_cost), number(s.epo),
-       number(static_cast<std::int64_t>(s.mem_bytes)), prims > 0 ? number((static_cast<double>(s.mem_bytes) + scene_bytes) / prims) : "", "",
-       number(static_cast<std::int64_t>(scene->scene_bytes))});
+  add({number(build->build_ms),
+       prims > 0 && build->build_ms > 0 ? number(prims / (build->build_ms * 1e3)) : "",
+       number(s.nodes()),
+       number(s.interior_nodes),
+       number(s.leaves),
+       number(s.empty_leaves),
+       number(s.references),
+       number(s.max_depth),
+       number(s.sah_cost),
+       number(s.epo),
+       number(static_cast<std::int64_t>(s.mem_bytes)),
+       prims > 0 ? number((static_cast<double>(s.mem_bytes) + scene_bytes) / prims) : "",
+       break_even_with_list(source, cell),
+       number(static_cast<std::int64_t>(scene->scene_bytes)),
+       number(s.sibling_distance),
+       number(s.node_volume),
+       number(s.total_volume),
+       number(s.cost_depth),
+       number(s.cost_depth_p90),
+       number(s.epo_se)});
 }
 
 /// The per-ray averages that counters.csv and summary.csv share; empty where nothing was counted.

@@ -111,8 +111,11 @@ void SceneRun::build(const std::string& text, std::span<const Experiment* const>
       structure.reset();
       const auto start = Clock::now();
       structure = cell->structure->build(*scene_, cell->params, cell->threads);
-      const BuildRecord record{cell->scene.name, text, cell->threads, ms_since(start), structure->stats()};
-      if (!context_.log.records().builds.contains({record.scene, record.build, record.threads})) context_.log.add(record);
+      const double build_ms = ms_since(start);
+      if (context_.log.records().builds.contains({cell->scene.name, text, cell->threads})) continue;
+      BuildRecord record{cell->scene.name, text, cell->threads, build_ms, structure->stats()};
+      if (cell->structure->add_quality != nullptr) cell->structure->add_quality(*scene_, cell->params, 0, record.stats);
+      context_.log.add(record);
     }
   } catch (const std::bad_alloc&) {
     for (const Experiment* cell : cells) end(*cell, Status::failed, "out of memory while building");

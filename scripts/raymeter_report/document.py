@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from .break_even import break_even_table
 from .cells import Cell, best_cells, load_cells, rays_of, scenes_of, techniques_of
 from .figures import Plot, write_plots
 from .glossary import GLOSSARY, SYMBOL_NOTE, Term
@@ -44,6 +45,7 @@ class Report:
     simd: Table | None
     counters: Table
     builds: Table
+    break_even: Table
     accuracy: Table
     plots: list[Plot]
     pictures: list[Picture]
@@ -77,6 +79,7 @@ def make_report(runs: Sequence[Run], out: Path) -> Report:
         simd=simd_table(cells),
         counters=counters_table(cells),
         builds=builds_table(cells),
+        break_even=break_even_table(cells),
         accuracy=accuracy_table(cells),
         plots=write_plots(runs, cells, out / "plots"),
         pictures=[picture for run in runs for picture in pictures_of(run)],

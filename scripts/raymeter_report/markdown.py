@@ -24,7 +24,8 @@ def markdown(report: Report, out: Path) -> str:
     for plot in report.plots:
         links = ", ".join(f"[{path.suffix[1:].upper()}]({link(path, out)})" for path in plot.files)
         parts += [f"### {plot.title}", f"![{plot.title}]({link(plot.files[0], out)})", f"{escape(plot.caption)} ({links})"]
-    parts += block(report.counters, "## Counters") + block(report.builds, "## Builds") + block(report.accuracy, "## Accuracy")
+    parts += block(report.counters, "## Counters") + block(report.builds, "## Builds") + block(report.break_even, "## Break-even")
+    parts += block(report.accuracy, "## Accuracy")
     if report.pictures:
         parts.append("## Images and heat maps")
         parts += [f"![{escape(one.title)}]({link(one.path, out)})\n\n{escape(one.title)}. {escape(one.caption)}" for one in report.pictures]

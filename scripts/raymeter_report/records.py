@@ -75,6 +75,8 @@ def parse_value(text: str, column: str) -> Value:
         return text
     if text.strip() == "":
         return None
+    if column == "break_even_rays" and text in ("always", "never"):
+        return text
     if column == "threads" and text == "all":
         return text  # a cell that did not come so far as to know the machine's number
     number = float(text)

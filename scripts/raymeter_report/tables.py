@@ -158,7 +158,10 @@ def builds_table(cells: Sequence[Cell]) -> Table:
         ("nodes", "nodes", "", integer, 1.0), ("interior_nodes", "interior", "", integer, 1.0), ("leaves", "leaves", "", integer, 1.0),
         ("empty_leaves", "empty leaves", "", integer, 1.0), ("references", "references", "", integer, 1.0), ("tree_depth", "depth", "", integer, 1.0),
         ("sah_cost", "SAH cost", "", significant, 1.0), ("epo", "EPO", "", significant, 1.0), ("mem_bytes", "memory", "MiB", significant, 2.0**-20),
-        ("bytes_per_prim", "memory per primitive", "bytes", significant, 1.0), ("break_even_rays", "break-even", "rays", significant, 1.0),
+        ("bytes_per_prim", "memory per primitive", "bytes", significant, 1.0), ("epo_se", "EPO, standard error", "", significant, 1.0),
+        ("sibling_distance", "sibling distance", "", significant, 1.0), ("node_volume", "volume per node", "", significant, 1.0),
+        ("total_volume", "total volume", "", significant, 1.0), ("cost_depth", "depth of cost, mean", "", significant, 1.0),
+        ("cost_depth_p90", "depth of cost, 90 %", "", integer, 1.0),
     )
     columns = [*key_columns(varying, with_rays=False), *(Column(title, unit, hint=name) for name, title, unit, _, _ in measures)]
     rows: list[list[Field]] = []
