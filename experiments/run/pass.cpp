@@ -69,15 +69,26 @@ PassTime run_pass(Intersector& intersector, const RaySet& set, int threads, Answ
   return time;
 }
 
-double estimate_pass_s(Intersector& intersector, const RaySet& set, std::size_t sample) {
+RaySet sample_of(const RaySet& set, std::size_t blocks) {
+  constexpr std::size_t kBlock = kMaxPacket;
   RaySet few;
   few.query = set.query;
-  const std::size_t total = set.rays.size();
-  const std::size_t count = std::min(sample, total);
-  for (std::size_t i = 0; i < count; ++i) few.rays.push_back(set.rays[i * total / count]);
+  const std::size_t all = (set.rays.size() + kBlock - 1) / kBlock;
+  const std::size_t taken = std::min(blocks, all);
+  for (std::size_t block = 0; block < taken; ++block) {
+    const std::size_t first = block * all / taken * kBlock;
+    for (std::size_t i = first; i < std::min(first + kBlock, set.rays.size()); ++i) few.rays.push_back(set.rays[i]);
+  }
+  return few;
+}
+
+double estimate_pass_s(Intersector& intersector, const RaySet& set) {
+  constexpr std::size_t kBlocks = 8;
+  const RaySet few = sample_of(set, kBlocks);
+  if (few.rays.size() == 0) return 0;
   Answers answers;
   const PassTime time = run_pass(intersector, few, 1, answers);
-  return count == 0 ? 0.0 : time.trace_ms * 1e-3 * static_cast<double>(total) / static_cast<double>(count);
+  return time.trace_ms * 1e-3 * static_cast<double>(set.rays.size()) / static_cast<double>(few.rays.size());
 }
 
 }  // namespace raymeter

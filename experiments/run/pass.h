@@ -29,7 +29,11 @@ struct PassTime {
 /// Traces the whole set once. Counters null: the timed kernels.
 PassTime run_pass(Intersector& intersector, const RaySet& rays, int threads, Answers& answers, Counters* counters = nullptr);
 
-/// About how long a pass would take on one thread, from up to `sample` of its rays.
-[[nodiscard]] double estimate_pass_s(Intersector& intersector, const RaySet& rays, std::size_t sample);
+/// Up to `blocks` runs of kMaxPacket consecutive rays, spread evenly over the set: packets are as coherent as in the whole.
+[[nodiscard]] RaySet sample_of(const RaySet& set, std::size_t blocks);
+
+/// About how long a pass would take on one thread, from a sample of its rays. The first time on a large structure is too long, since it is not in any cache
+/// yet.
+[[nodiscard]] double estimate_pass_s(Intersector& intersector, const RaySet& set);
 
 }  // namespace raymeter

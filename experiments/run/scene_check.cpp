@@ -14,8 +14,6 @@ namespace raymeter {
 
 namespace {
 
-constexpr std::size_t kEstimateRays = 256;
-
 AccuracyRecord to_record(const Accuracy& accuracy, const Answers& answers) {
   AccuracyRecord record{accuracy.rays_checked, accuracy.false_miss, accuracy.false_hit, accuracy.wrong_prim, {}, {}, {}};
   const bool distances =
@@ -50,7 +48,8 @@ void SceneRun::check_group(std::span<Live* const> group) {
   std::vector<Live*> affordable;
   for (Live* live : group) {
     const int threads = live->cell->threads > 0 ? live->cell->threads : all_threads();
-    const double pass_s = estimate_pass_s(*live->intersector, *live->rays, kEstimateRays) / threads;
+    double pass_s = estimate_pass_s(*live->intersector, *live->rays) / threads;
+    if (pass_s > context_.config.measure.timeout_s) pass_s = std::min(pass_s, estimate_pass_s(*live->intersector, *live->rays) / threads);
     if (pass_s <= context_.config.measure.timeout_s)
       affordable.push_back(live);
     else

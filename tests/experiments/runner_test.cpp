@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -10,6 +11,7 @@
 #include "accel/registry.h"
 #include "experiments/config/expand.h"
 #include "experiments/record/run_log.h"
+#include "experiments/run/pass.h"
 #include "experiments/run/runner.h"
 
 namespace raymeter {
@@ -129,6 +131,25 @@ TEST_F(Runner, AcceptsAShareOfMismatchesOnlyWhereTheConfigSaysSo) {
   const StructureEntry liar = lying_entry<false>("liar");
   EXPECT_EQ(run(liar, R"(, "verify": {"hit_mismatch_max": 0.01})").cells.at(Status::ok), 2u);  // 1 of 256
   EXPECT_NE(summary("liar").find(",1,ok"), std::string::npos) << summary("liar");
+}
+
+TEST(Pass, IsEstimatedFromWholePacketsOfAllOfIt) {
+  for (const int size : {0, 1, 63, 64, 65, 200, 1000, 100000}) {
+    RaySet set;
+    set.query = Query::any;
+    for (int i = 0; i < size; ++i) set.rays.push_back({{static_cast<float>(i), 0, 0}, 0, {0, 0, 1}, 1});
+    const RaySet few = sample_of(set, 8);
+    EXPECT_EQ(few.query, Query::any);
+    ASSERT_EQ(few.rays.size(), static_cast<std::size_t>(std::min(size, 8 * kMaxPacket))) << size;
+    for (std::size_t i = 0; i < few.rays.size(); ++i) {
+      const int index = static_cast<int>(few.rays[i].org[0]), first = static_cast<int>(few.rays[i / kMaxPacket * kMaxPacket].org[0]);
+      ASSERT_EQ(first % kMaxPacket, 0) << size;
+      ASSERT_EQ(index - first, static_cast<int>(i % kMaxPacket)) << size;
+      if (size > 8 * kMaxPacket) {
+        ASSERT_NEAR(first, static_cast<double>(i / kMaxPacket) * size / 8, kMaxPacket) << size;
+      }
+    }
+  }
 }
 
 TEST_F(Runner, RecordsAnInstructionSetThatIsMissing) {
