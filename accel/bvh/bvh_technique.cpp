@@ -1,6 +1,7 @@
 #include "accel/bvh/bvh.h"
 #include "accel/bvh/bvh_structure.h"
 #include "accel/bvh/tree_quality.h"
+#include "accel/bvh/wide_bvh.h"
 
 namespace raymeter {
 
@@ -8,19 +9,23 @@ ParamValues resolve_bvh(const ParamValues& values) {
   const auto params = bind<BvhParams>(values);
   check_volume(params.volume, params);
   check_tree_params(params);
+  if (params.traversal == "beam" && params.volume != "aabb") throw Error("traversal: beam needs volume=aabb, got " + params.volume);
   return resolved(params);
 }
 
 std::unique_ptr<Structure> build_bvh(const Scene& scene, const ParamValues& values, int threads) {
   const auto params = bind<BvhParams>(values);
-  const BvhTree tree = build_bvh_tree(scene, params, threads);
+  BvhTree tree = build_bvh_tree(scene, params, threads);
+  if (params.traversal == "beam") return build_wide_bvh(scene, std::move(tree), params.max_leaf_size);
   return with_volume(params.volume, params, scene,
                      [&]<class V>(const V& volume) -> std::unique_ptr<Structure> { return std::make_unique<BvhStructure<V>>(scene, tree, volume, threads); });
 }
 
 void add_bvh_quality(const Scene& scene, const ParamValues& values, int threads, BuildStats& stats) {
+  const auto params = bind<BvhParams>(values);
+  if (params.traversal == "beam") return;  // its tree is collapsed as no builder hands it over
   // The layout does not keep the tree.
-  add_tree_quality(scene, build_bvh_tree(scene, bind<BvhParams>(values), threads), threads, stats);
+  add_tree_quality(scene, build_bvh_tree(scene, params, threads), threads, stats);
 }
 
 }  // namespace raymeter

@@ -43,14 +43,11 @@ template <class L>
   return {L::neg_mul_add(ray.shear[0], depth, p - ray.shear_org[0]), L::neg_mul_add(ray.shear[1], depth, q - ray.shear_org[1]), ray.shear[2] * depth};
 }
 
+/// The triangle of three vertices in ray space.
 template <class L>
-[[gnu::always_inline]] inline SurfaceHit<L> intersect_triangle(const RayPacket<L>& ray, const TriangleView& pool, std::int32_t triangle) noexcept {
+[[gnu::always_inline]] inline SurfaceHit<L> intersect_triangle(const ShearedVertex<L>& a, const ShearedVertex<L>& b, const ShearedVertex<L>& c) noexcept {
   using Float = typename L::Float;
   const Float zero(0.0f);
-  const std::int32_t i = triangle * pool.stride;
-  const ShearedVertex<L> a = shear(ray, pool.vertex[0], i);
-  const ShearedVertex<L> b = shear(ray, pool.vertex[1], i);
-  const ShearedVertex<L> c = shear(ray, pool.vertex[2], i);
   const Float weight_a = L::difference_of_products(c.x, b.y, c.y, b.x);
   const Float weight_b = L::difference_of_products(a.x, c.y, a.y, c.x);
   const Float weight_c = L::difference_of_products(b.x, a.y, b.y, a.x);
@@ -67,6 +64,12 @@ template <class L>
   hit.v = share(weight_c);
   hit.t = L::mul_add(hit.v, c.z, L::mul_add(hit.u, b.z, share(weight_a) * a.z));
   return hit;
+}
+
+template <class L>
+[[gnu::always_inline]] inline SurfaceHit<L> intersect_triangle(const RayPacket<L>& ray, const TriangleView& pool, std::int32_t triangle) noexcept {
+  const std::int32_t i = triangle * pool.stride;
+  return intersect_triangle<L>(shear(ray, pool.vertex[0], i), shear(ray, pool.vertex[1], i), shear(ray, pool.vertex[2], i));
 }
 
 }  // namespace raymeter

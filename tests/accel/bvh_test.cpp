@@ -69,10 +69,12 @@ TEST(Bvh, EqualsListBitForBit) {
   for (const Isa isa : kIsas) {
     if (!available(isa)) continue;
     const Answer list = answer(scene, rays, "list", isa, simd_width(isa));
-    for (const int packet : {1, 5, 16, 64}) {
-      const Answer bvh = answer(scene, rays, "bvh", isa, packet);
-      EXPECT_TRUE(bits_equal(list.hits, bvh.hits)) << name(isa) << " packet " << packet;
-      for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(bvh.blocker[i] >= 0, list.hits.prim[i] >= 0);
+    for (const char* technique : {"bvh", "bvh:traversal=beam"}) {
+      for (const int packet : {1, 5, 16, 64}) {
+        const Answer bvh = answer(scene, rays, technique, isa, packet);
+        EXPECT_TRUE(bits_equal(list.hits, bvh.hits)) << technique << " " << name(isa) << " packet " << packet;
+        for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(bvh.blocker[i] >= 0, list.hits.prim[i] >= 0);
+      }
     }
   }
 }

@@ -1,0 +1,43 @@
+#include "accel/bvh/wide_bvh.h"
+
+#include "accel/bvh/wide_kernel.h"
+#include "accel/bvh/wide_tree.h"
+#include "accel/kernel_intersector.h"
+
+namespace raymeter {
+
+namespace {
+
+class WideBvh final : public Structure {
+public:
+  WideBvh(const Scene& scene, const Aabb& box, WideTree tree)
+      : tree_(std::move(tree)),
+        pools_(reordered(scene.pools(), tree_.order)),
+        view_{tree_.nodes.data(),  tree_.blocks.data(), tree_.runs.data(), pools_.view(), {box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z},
+              tree_.stack_capacity} {
+    tree_.order = {};
+    tree_.stats.mem_bytes =
+        sizeof *this + tree_.nodes.bytes() + tree_.blocks.bytes() + tree_.runs.capacity() * sizeof(PrimitiveRun) + pools_.mem_bytes();
+  }
+  [[nodiscard]] const BuildStats& stats() const noexcept override { return tree_.stats; }
+  [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
+    return std::make_unique<KernelIntersector<WideBvhView>>(view_, kernels_for<WideBvhKernel, WideBvhView>(options.isa), options.packet,
+                                                            wide_stack_bytes(view_.stack_capacity));
+  }
+
+private:
+  WideTree tree_;
+  Pools pools_;
+  WideBvhView view_;
+};
+
+}  // namespace
+
+std::unique_ptr<Structure> build_wide_bvh(const Scene& scene, BvhTree tree, int max_leaf_size) {
+  const Aabb box = tree.nodes.empty() ? Aabb{} : tree.nodes[0].box;
+  WideTreeSettings settings;
+  settings.max_leaf_size = max_leaf_size;
+  return std::make_unique<WideBvh>(scene, box, collapse_wide(scene, std::move(tree), settings));
+}
+
+}  // namespace raymeter

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "accel/bvh/wide_layout.h"
+#include "core/ray/trace_args.h"
+#include "core/simd/isa_enum.h"
+#include "core/stats/counters.h"
+
+namespace raymeter {
+
+/// Traversal of an 8-wide hierarchy by the beams of packets.
+template <Isa I, class Stats>
+struct WideBvhKernel {
+  static void closest(const WideBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept;
+  static void any(const WideBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept;
+};
+
+}  // namespace raymeter
