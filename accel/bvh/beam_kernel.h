@@ -22,146 +22,162 @@ inline constexpr float kBeamLeastAdvance2 = 0.09f;
 /// Where the beam is wider than this share of the scene, it meets many nodes that no ray of it meets: then the rays are tested at inner nodes too.
 inline constexpr float kSlimBeam = 0.02f;
 
-/// A line x(c) = at_zero + slope c that bounds the rays, and the row of a node's planes in which a child's outermost c for this line stands.
+/// A line x(c) = at_zero + slope c.
 struct BeamLine {
   float at_zero;
   float slope;
-  int row;
 };
 
-/// What bounds all rays of a packet; c is the plain coordinate along `axis`, whichever way the rays go.
+/// c is the plain coordinate along `axis`, whichever way the rays go.
 struct Beam {
-  int axis = -1;          ///< k; -1: the rays have no beam in common
-  int across[2];          ///< the other two axes
-  float sign;             ///< of the rays' direction along k
-  float begin, end;       ///< planes between which hits can lie, times `sign`
-  BeamLine low[2];        ///< of the least x, by `across`
-  BeamLine high[2];       ///< of the greatest
+  int axis = -1;       ///< k; -1: the rays have no beam in common
+  int across[2];       ///< the other two axes
+  float sign;          ///< of the rays' direction along k
+  float begin, end;    ///< planes between which hits can lie, times `sign`
   float padding;
   bool slim = false;
+  BeamLine low[2];     ///< below all rays, by `across`
+  BeamLine high[2];    ///< above all rays
   /// The row of a node's planes that rays meet first (last) along the axis.
   [[nodiscard]] int first_row() const noexcept { return sign > 0 ? axis : axis + 3; }
   [[nodiscard]] int last_row() const noexcept { return sign > 0 ? axis + 3 : axis; }
+  /// The coordinates between which hits can lie, given the plane (times `sign`) that is the last for live rays.
+  [[nodiscard]] float least(float farthest) const noexcept { return sign > 0 ? begin : -farthest; }
+  [[nodiscard]] float greatest(float farthest) const noexcept { return sign > 0 ? farthest : -begin; }
 };
 
-/// The last plane at which a live ray can still find a nearer hit; -inf where none lives.
+/// Calls visit(ray, hit, live) for the registers of all packets.
+template <class L, int kGroups, class Visit>
+[[gnu::always_inline]] inline void for_each_register(const Packet<L, kGroups>* packets, int count, Visit visit) noexcept {
+  for (int p = 0; p < count; ++p) {
+    for (int g = 0; g < packets[p].group_count(); ++g) visit(packets[p].ray[g], packets[p].hit[g], packets[p].live(g));
+  }
+}
+
+/// The last plane, times `sign`, at which a live ray can still find a nearer hit; -inf where none lives.
 template <class L, int kGroups>
 inline float farthest_plane(const Beam& beam, const Packet<L, kGroups>& packet) noexcept {
   using Float = typename L::Float;
   Float plane(-kInfinity);
-  for (int g = 0; g < packet.group_count(); ++g) {
-    const RayPacket<L>& ray = packet.ray[g];
-    plane = L::max(L::mul_add(packet.hit[g].t, L::abs(ray.dir[beam.axis]), Float(beam.sign) * ray.org[beam.axis]), plane);
-  }
+  for_each_register(&packet, 1, [&](const RayPacket<L>& ray, const HitPacket<L>& hit, auto) noexcept {
+    plane = L::max(L::mul_add(hit.t, L::abs(ray.dir[beam.axis]), Float(beam.sign) * ray.org[beam.axis]), plane);
+  });
   const float farthest = L::reduce_max(plane) + beam.padding;
   return farthest < beam.end ? farthest : beam.end;
 }
 
 /// Sets the axis that the live rays advance along the most, and its sign; leaves -1 where there is none with the same sign and enough advance.
 template <class L, int kGroups>
-inline void pick_axis(const Packet<L, kGroups>& packet, Beam& beam) noexcept {
+inline void pick_axis(const Packet<L, kGroups>* packets, int count, Beam& beam) noexcept {
   using Float = typename L::Float;
+  Float advance2[3] = {Float(kInfinity), Float(kInfinity), Float(kInfinity)};
+  std::uint32_t forward[3] = {}, backward[3] = {};
+  for_each_register(packets, count, [&](const RayPacket<L>& ray, const HitPacket<L>&, auto live) noexcept {
+    const std::uint32_t living = L::bits(live);
+    for (int a = 0; a < 3; ++a) {
+      const std::uint32_t negative = L::bits(ray.negative[a]) & living;
+      backward[a] |= negative;
+      forward[a] |= negative ^ living;
+      advance2[a] = L::min(L::select(live, ray.dir[a] * ray.dir[a] * ray.inv_length2, Float(kInfinity)), advance2[a]);
+    }
+  });
   float best = kBeamLeastAdvance2;
   for (int a = 0; a < 3; ++a) {
-    Float least(kInfinity);
-    std::uint32_t forward = 0, backward = 0;
-    for (int g = 0; g < packet.group_count(); ++g) {
-      const RayPacket<L>& ray = packet.ray[g];
-      const auto live = packet.live(g);
-      const std::uint32_t negative = L::bits(live & ray.negative[a]);
-      backward |= negative;
-      forward |= negative ^ L::bits(live);
-      least = L::min(L::select(live, ray.dir[a] * ray.dir[a] * ray.inv_length2, Float(kInfinity)), least);
-    }
-    if ((forward == 0) == (backward == 0)) continue;
-    const float advance2 = L::reduce_min(least);
-    if (!(advance2 > best)) continue;
-    best = advance2;
+    if ((forward[a] == 0) == (backward[a] == 0)) continue;
+    const float least = L::reduce_min(advance2[a]);
+    if (!(least > best)) continue;
+    best = least;
     beam.axis = a;
-    beam.sign = backward != 0 ? -1.0f : 1.0f;
+    beam.sign = backward[a] != 0 ? -1.0f : 1.0f;
   }
+  beam.across[0] = beam.axis == 0 ? 1 : 0;
+  beam.across[1] = beam.axis == 2 ? 1 : 2;
 }
 
-/// Sets the planes between which the live rays, inside the box (min x y z, max x y z), can meet anything.
+/// Sets padding, and the planes between which the live rays, inside the box (min x y z, max x y z), can meet anything.
 template <class L, int kGroups>
-inline void set_planes(const Packet<L, kGroups>& packet, const float* box, Beam& beam) noexcept {
+inline void set_planes(const Packet<L, kGroups>* packets, int count, const float* box, Beam& beam) noexcept {
   using Float = typename L::Float;
-  Float first(kInfinity), last(-kInfinity);
-  for (int g = 0; g < packet.group_count(); ++g) {
-    const RayPacket<L>& ray = packet.ray[g];
-    const Float start = Float(beam.sign) * ray.org[beam.axis];
-    const Float advance = L::abs(ray.dir[beam.axis]);
-    first = L::min(L::select(packet.live(g), L::mul_add(ray.t_min, advance, start), Float(kInfinity)), first);
-    last = L::max(L::mul_add(packet.hit[g].t, advance, start), last);
-  }
-  const float box_begin = beam.sign * box[beam.first_row()], box_end = beam.sign * box[beam.last_row()];
+  const int k = beam.axis;
+  Float first(kInfinity), last(-kInfinity), largest(0.0f), steepest(0.0f);
+  for_each_register(packets, count, [&](const RayPacket<L>& ray, const HitPacket<L>& hit, auto live) noexcept {
+    const Float start = Float(beam.sign) * ray.org[k];
+    const Float advance = L::abs(ray.dir[k]);
+    first = L::min(L::select(live, L::mul_add(ray.t_min, advance, start), Float(kInfinity)), first);
+    last = L::max(L::mul_add(hit.t, advance, start), last);
+    // Dead lanes have the origin 0 and the direction (1, 1, 1), or are rays of the beam.
+    for (int a = 0; a < 3; ++a) largest = L::max(L::abs(ray.org[a]), largest);
+    for (const int a : beam.across) steepest = L::max(L::abs(ray.dir[a] * ray.inv_dir[k]), steepest);
+  });
+  const auto greater = [](float a, float b) noexcept { return a > b ? a : b; };
+  float magnitude = L::reduce_max(largest);
+  for (int p = 0; p < 6; ++p) magnitude = greater(__builtin_fabsf(box[p]), magnitude);
+  beam.padding = kBeamPadding * magnitude * (1.0f + L::reduce_max(steepest));
   const float first_plane = L::reduce_min(first), last_plane = L::reduce_max(last);
-  beam.begin = first_plane > box_begin ? first_plane : box_begin;
+  const float box_begin = beam.sign * box[beam.first_row()], box_end = beam.sign * box[beam.last_row()];
+  beam.begin = greater(first_plane, box_begin);
   beam.end = last_plane < box_end ? last_plane : box_end;
   if (!(beam.begin <= beam.end)) beam.end = beam.begin;  // outside, or within the padding
-}
-
-/// The beam of the packet's live rays; axis -1 where they have none.
-template <class L, int kGroups>
-inline Beam make_beam(const Packet<L, kGroups>& packet, const float* box) noexcept {
-  using Float = typename L::Float;
-  Beam beam;
-  pick_axis(packet, beam);
-  if (beam.axis < 0) return beam;
-  const int k = beam.axis;
-  beam.across[0] = k == 0 ? 1 : 0;
-  beam.across[1] = k == 2 ? 1 : 2;
-  set_planes(packet, box, beam);
-
-  const auto greater = [](float a, float b) noexcept { return a > b ? a : b; };
-  float magnitude = 0, extent = 0;
-  for (int a = 0; a < 3; ++a) {
-    magnitude = greater(greater(__builtin_fabsf(box[a]), __builtin_fabsf(box[a + 3])), magnitude);
-    extent = greater(box[a + 3] - box[a], extent);
-  }
-  Float largest(0.0f), steepest(0.0f);
-  for (int g = 0; g < packet.group_count(); ++g) {
-    const RayPacket<L>& ray = packet.ray[g];
-    const Float advance = L::abs(ray.inv_dir[k]);
-    for (int a = 0; a < 3; ++a) largest = L::max(L::abs(ray.org[a]), largest);  // dead lanes have the origin 0 and the direction (1, 1, 1)
-    for (const int a : beam.across) steepest = L::max(L::abs(ray.dir[a]) * advance, steepest);
-  }
-  const float steep = 1.0f + L::reduce_max(steepest);
-  magnitude = greater(L::reduce_max(largest), magnitude);
-  beam.padding = kBeamPadding * magnitude * steep;
-  if (!(beam.padding < kInfinity)) return Beam{};
   beam.begin -= beam.padding;
   beam.end += beam.padding;
+}
 
-  const float per_length = 1.0f / greater(beam.end - beam.begin, 0x1p-126f);
-  float width = 0;
+/// Where the beam is at its first and its last plane, with padding: least and greatest x [across][begin, end].
+struct BeamEnds {
+  float least[2][2];
+  float greatest[2][2];
+};
+
+template <class L, int kGroups>
+inline BeamEnds beam_ends(const Packet<L, kGroups>& packet, const Beam& beam) noexcept {
+  using Float = typename L::Float;
+  Float least[2][2], greatest[2][2];
   for (int i = 0; i < 2; ++i) {
-    const int a = beam.across[i];
-    Float least[2] = {Float(kInfinity), Float(kInfinity)}, greatest[2] = {Float(-kInfinity), Float(-kInfinity)};
-    for (int g = 0; g < packet.group_count(); ++g) {
-      const RayPacket<L>& ray = packet.ray[g];
-      const auto live = packet.live(g);
-      const Float slope = ray.dir[a] * L::abs(ray.inv_dir[k]);
-      const Float start = Float(beam.sign) * ray.org[k];
+    for (int e = 0; e < 2; ++e) {
+      least[i][e] = Float(kInfinity);
+      greatest[i][e] = Float(-kInfinity);
+    }
+  }
+  for_each_register(&packet, 1, [&](const RayPacket<L>& ray, const HitPacket<L>&, auto live) noexcept {
+    const Float per_plane = L::abs(ray.inv_dir[beam.axis]);
+    const Float start = Float(beam.sign) * ray.org[beam.axis];
+    const Float away[2] = {(Float(beam.begin) - start) * per_plane, (Float(beam.end) - start) * per_plane};
+    for (int i = 0; i < 2; ++i) {
+      const int a = beam.across[i];
       for (int e = 0; e < 2; ++e) {
-        const Float x = L::mul_add(Float(e == 0 ? beam.begin : beam.end) - start, slope, ray.org[a]);
-        least[e] = L::min(L::select(live, x, Float(kInfinity)), least[e]);
-        greatest[e] = L::max(L::select(live, x, Float(-kInfinity)), greatest[e]);
+        const Float x = L::mul_add(away[e], ray.dir[a], ray.org[a]);
+        least[i][e] = L::min(L::select(live, x, Float(kInfinity)), least[i][e]);
+        greatest[i][e] = L::max(L::select(live, x, Float(-kInfinity)), greatest[i][e]);
       }
     }
-    const float low_begin = L::reduce_min(least[0]) - beam.padding, low_end = L::reduce_min(least[1]) - beam.padding;
-    const float high_begin = L::reduce_max(greatest[0]) + beam.padding, high_end = L::reduce_max(greatest[1]) + beam.padding;
-    width = greater(width, greater(high_begin - low_begin, high_end - low_end));
-    const auto line = [&](float x_begin, float x_end, bool rising_first) noexcept {
-      const float slope = (x_end - x_begin) * per_length;  // along the rays
-      return BeamLine{x_begin - slope * beam.begin, beam.sign * slope, (slope >= 0) == rising_first ? beam.first_row() : beam.last_row()};
-    };
-    beam.low[i] = line(low_begin, low_end, true);
-    beam.high[i] = line(high_begin, high_end, false);
+  });
+  BeamEnds ends;
+  for (int i = 0; i < 2; ++i) {
+    for (int e = 0; e < 2; ++e) {
+      ends.least[i][e] = L::reduce_min(least[i][e]) - beam.padding;
+      ends.greatest[i][e] = L::reduce_max(greatest[i][e]) + beam.padding;
+    }
   }
-  if (!(width < kInfinity)) return Beam{};
-  beam.slim = width <= kSlimBeam * extent;
-  return beam;
+  return ends;
+}
+
+/// Draws the lines through the beam's ends. Returns false where the beam is not finite.
+inline bool set_lines(const BeamEnds& ends, float scene_extent, Beam& beam) noexcept {
+  const float length = beam.end - beam.begin;
+  const float per_length = 1.0f / (length > 0x1p-126f ? length : 0x1p-126f);
+  float width = 0;
+  for (int i = 0; i < 2; ++i) {
+    const auto line = [&](const float* x) noexcept {
+      const float slope = (x[1] - x[0]) * per_length;  // along the rays
+      return BeamLine{x[0] - slope * beam.begin, beam.sign * slope};
+    };
+    for (int e = 0; e < 2; ++e) width = ends.greatest[i][e] - ends.least[i][e] > width ? ends.greatest[i][e] - ends.least[i][e] : width;
+    beam.low[i] = line(ends.least[i]);
+    beam.high[i] = line(ends.greatest[i]);
+    if (!(__builtin_fabsf(beam.low[i].at_zero) < kInfinity && __builtin_fabsf(beam.high[i].at_zero) < kInfinity)) return false;
+  }
+  beam.slim = width <= kSlimBeam * scene_extent;
+  return width < kInfinity;
 }
 
 /// Which of a node's children the beam meets before the plane `farthest`, as bits.
@@ -169,15 +185,18 @@ template <class L>
 inline std::uint32_t children_met(const Beam& beam, const WideNode& node, float farthest) noexcept {
   using Float = typename L::Float;
   constexpr int kStep = L::kWidth < kWideChildren ? L::kWidth : kWideChildren;
-  const float least = beam.sign > 0 ? beam.begin : -farthest, greatest = beam.sign > 0 ? farthest : -beam.begin;
+  const float* const least = node.plane[beam.axis];
+  const float* const greatest = node.plane[beam.axis + 3];
   std::uint32_t met = 0;
   for (int c = 0; c < kWideChildren; c += kStep) {  // a wider register reads on into the next row, to no effect
-    auto inside = (L::load(node.plane[beam.axis] + c) <= Float(greatest)) & (L::load(node.plane[beam.axis + 3] + c) >= Float(least));
+    auto inside = (L::load(least + c) <= Float(beam.greatest(farthest))) & (L::load(greatest + c) >= Float(beam.least(farthest)));
     for (int i = 0; i < 2; ++i) {
       const int a = beam.across[i];
       const BeamLine &low = beam.low[i], &high = beam.high[i];
-      inside = inside & (L::load(node.plane[a + 3] + c) >= L::mul_add(Float(low.slope), L::load(node.plane[low.row] + c), Float(low.at_zero))) &
-               (L::load(node.plane[a] + c) <= L::mul_add(Float(high.slope), L::load(node.plane[high.row] + c), Float(high.at_zero)));
+      const float* const lowest = low.slope >= 0 ? least : greatest;
+      const float* const highest = high.slope >= 0 ? greatest : least;
+      inside = inside & (L::load(node.plane[a + 3] + c) >= L::mul_add(Float(low.slope), L::load(lowest + c), Float(low.at_zero))) &
+               (L::load(node.plane[a] + c) <= L::mul_add(Float(high.slope), L::load(highest + c), Float(high.at_zero)));
     }
     met |= (L::bits(inside) & ((1u << kStep) - 1)) << c;
   }
@@ -191,14 +210,13 @@ inline std::int32_t triangles_met(const Beam& beam, const TriangleBlock& block, 
   using Int = typename L::Int;
   alignas(64) std::int32_t outside[TriangleBlock::kVertices + L::kWidth];
   const Int zero(0);
-  const float least = beam.sign > 0 ? beam.begin : -farthest, greatest = beam.sign > 0 ? farthest : -beam.begin;
   for (int v = 0; v < TriangleBlock::kVertices; v += L::kWidth) {
-    const Float plane = L::load(block.vertex[beam.axis] + v);
-    Int sides = L::select(plane > Float(greatest), Int(1), zero) + L::select(plane < Float(least), Int(2), zero);
+    const Float c = L::load(block.vertex[beam.axis] + v);
+    Int sides = L::select(c > Float(beam.greatest(farthest)), Int(1), zero) + L::select(c < Float(beam.least(farthest)), Int(2), zero);
     for (int i = 0; i < 2; ++i) {
       const Float x = L::load(block.vertex[beam.across[i]] + v);
-      sides = sides + L::select(x < L::mul_add(Float(beam.low[i].slope), plane, Float(beam.low[i].at_zero)), Int(4 << 2 * i), zero);
-      sides = sides + L::select(x > L::mul_add(Float(beam.high[i].slope), plane, Float(beam.high[i].at_zero)), Int(8 << 2 * i), zero);
+      sides = sides + L::select(x < L::mul_add(Float(beam.low[i].slope), c, Float(beam.low[i].at_zero)), Int(4 << 2 * i), zero);
+      sides = sides + L::select(x > L::mul_add(Float(beam.high[i].slope), c, Float(beam.high[i].at_zero)), Int(8 << 2 * i), zero);
     }
     L::store(outside + v, sides);
   }

@@ -13,7 +13,7 @@ public:
   WideBvh(const Scene& scene, const Aabb& box, WideTree tree)
       : tree_(std::move(tree)),
         pools_(reordered(scene.pools(), tree_.order)),
-        view_{tree_.nodes.data(),  tree_.blocks.data(), tree_.runs.data(), pools_.view(), {box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z},
+        view_{tree_.nodes.data(),   tree_.blocks.data(), tree_.runs.data(), pools_.view(), {box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z},
               tree_.stack_capacity} {
     tree_.order = {};
     tree_.stats.mem_bytes =

@@ -7,7 +7,7 @@
 
 #include "accel/bvh/wide_kernel.h"
 
-#include "accel/bvh/beam_kernel.h"
+#include "accel/bvh/beam_group_kernel.h"
 #include "core/bounds/slab_kernel.h"
 #include "core/geometry/run_kernel.h"
 #include "core/ray/packet_loop.h"
@@ -36,33 +36,23 @@ template <class L, int kGroups, class Stats>
   return any;
 }
 
-/// Asks early for what lies behind the children that are met.
-inline void prefetch_children(const WideBvhView& bvh, const WideNode& node, std::uint32_t met) noexcept {
-  for (; met != 0; met &= met - 1) {
-    const WideRef child = node.child[__builtin_ctz(met)];
-    const void* target;
-    switch (child.tag()) {
-      case WideRef::Tag::inner: target = bvh.nodes + child.index(); break;
-      case WideRef::Tag::block: target = bvh.blocks + child.index(); break;
-      default: continue;
-    }
-    for (int line = 0; line < 4; ++line) __builtin_prefetch(static_cast<const char*>(target) + 64 * line);
-  }
-}
-
 template <Query Q, class L, int kGroups, class Stats>
 void test_block(const Beam& beam, float farthest, const TriangleBlock& block, const typename L::Mask* lanes, Packet<L, kGroups>& packet, Stats stats) noexcept {
-  std::int32_t triangle[TriangleBlock::kTriangles];
-  std::int32_t count = block.count;
-  if (beam.axis >= 0) {
-    count = triangles_met<L>(beam, block, farthest, triangle);
-  } else {
-    for (std::int32_t t = 0; t < count; ++t) triangle[t] = t;
-  }
   const float* const column[3] = {block.vertex[0], block.vertex[1], block.vertex[2]};
-  test_primitives<Q, L, kGroups>(packet, lanes, count, block.prim, ListedRefs{triangle}, stats, [&](const RayPacket<L>& ray, const HitPacket<L>&, std::int32_t t) noexcept {
-    return intersect_triangle<L>(shear(ray, column, block.corner[0][t]), shear(ray, column, block.corner[1][t]), shear(ray, column, block.corner[2][t]));
-  });
+  const auto test = [&]<bool kExpectHits>(const RayPacket<L>& ray, std::int32_t t) noexcept {
+    return intersect_triangle<L, kExpectHits>(shear(ray, column, block.corner[0][t]), shear(ray, column, block.corner[1][t]), shear(ray, column, block.corner[2][t]));
+  };
+  using Ray = const RayPacket<L>&;
+  using Hit = const HitPacket<L>&;
+  if (beam.axis >= 0) {
+    std::int32_t triangle[TriangleBlock::kTriangles];
+    const std::int32_t count = triangles_met<L>(beam, block, farthest, triangle);
+    test_primitives<Q, true>(packet, lanes, count, block.prim, ListedRefs{triangle}, stats,
+                             [&](Ray ray, Hit, std::int32_t t) noexcept { return test.template operator()<true>(ray, t); });
+  } else {
+    test_primitives<Q, false>(packet, lanes, block.count, block.prim, PositionRefs{0}, stats,
+                              [&](Ray ray, Hit, std::int32_t t) noexcept { return test.template operator()<false>(ray, t); });
+  }
 }
 
 /// The octant whose order suits the packet: that of its first live ray.
@@ -79,66 +69,151 @@ inline std::uint32_t leading_octant(const Packet<L, kGroups>& packet) noexcept {
   return 0;
 }
 
+/// An entry of the stack: a child by its node and place, and the beams that meet it.
+struct Entry {
+  std::uint32_t child;
+  std::uint32_t beams;
+};
+
 template <Query Q, class L, int kGroups, class Stats>
-void traverse(const WideBvhView& bvh, std::uint32_t* stack, Packet<L, kGroups>& packet, Stats stats) noexcept {
-  typename L::Mask lanes[Packet<L, kGroups>::kCapacity];
-  const Beam beam = make_beam(packet, bvh.box);
-  const bool has_beam = beam.axis >= 0;
-  const std::uint32_t octant = leading_octant(packet);
-  float farthest = has_beam ? farthest_plane(beam, packet) : kInfinity;
-  std::int32_t size = 0;
-  std::uint32_t index = 0;
-  while (true) {
-    const WideNode& node = bvh.nodes[index];
-    if constexpr (Stats::kCounting) {
-      for (int g = 0; g < packet.group_count(); ++g) {
-        if (L::any(packet.live(g))) stats.template count<Event::node_visit, L>(packet.live(g));
-      }
-      for (int c = 0; has_beam && c < kWideChildren; c += L::kWidth) stats.template count<Event::volume_test, L>(L::mask(0));
-    }
-    std::uint32_t met = has_beam ? children_met<L>(beam, node, farthest) : (1u << kWideChildren) - 1;
-    if (!beam.slim) {
-      for (std::uint32_t left = met; left != 0; left &= left - 1) {
-        const int place = __builtin_ctz(left);
-        if (!rays_meet(node, place, packet, lanes, stats)) met &= ~(1u << place);
-      }
-    }
-    prefetch_children(bvh, node, met);
-    const std::uint32_t order = node.order[octant];
-    for (int i = kWideChildren - 1; i >= 0; --i) {
-      const std::uint32_t place = order >> 4 * i & 7;
-      stack[size] = index * kWideChildren + place;
-      size += static_cast<std::int32_t>(met >> place & 1);
-    }
+class Walk {
+public:
+  Walk(const WideBvhView& bvh, Entry* stack, BeamGroup<L, kGroups>& group, Stats stats) noexcept : bvh_(bvh), stack_(stack), group_(group), stats_(stats) {}
+
+  /// Takes the beams `alive`, which have a slim beam in common unless there is only one, through the hierarchy.
+  void run(std::uint32_t alive) noexcept {
+    octant_ = leading_octant(group_.rays[__builtin_ctz(alive)]);
+    std::int32_t size = 0;
+    std::uint32_t index = 0;
     while (true) {
-      if (size == 0) return;
-      const std::uint32_t entry = stack[--size];
-      const WideNode& parent = bvh.nodes[entry / kWideChildren];
-      const int place = static_cast<int>(entry % kWideChildren);
-      if (has_beam && beam.sign * parent.plane[beam.first_row()][place] > farthest) continue;
-      const WideRef child = parent.child[place];
-      if (child.tag() == WideRef::Tag::inner) {
-        index = child.index();
-        break;
-      }
-      if (!rays_meet(parent, place, packet, lanes, stats)) continue;
-      if constexpr (Stats::kCounting) {
-        for (int g = 0; g < packet.group_count(); ++g) {
-          if (L::any(lanes[g])) stats.template count<Event::leaf_visit, L>(lanes[g]);
+      size = open(index, alive, size);
+      while (true) {
+        if (size == 0) return;
+        const Entry entry = stack_[--size];
+        const WideNode& parent = bvh_.nodes[entry.child / kWideChildren];
+        const int place = static_cast<int>(entry.child % kWideChildren);
+        alive = still_wanted(parent, place, entry.beams);
+        if (alive == 0) continue;
+        const WideRef child = parent.child[place];
+        if (child.tag() == WideRef::Tag::inner) {
+          index = child.index();
+          break;
         }
+        for (; alive != 0; alive &= alive - 1) test_leaf(parent, place, __builtin_ctz(alive));
       }
-      if (child.tag() == WideRef::Tag::block) test_block<Q>(beam, farthest, bvh.blocks[child.index()], lanes, packet, stats);
-      else test_run<Q, L, kGroups>(packet, lanes, bvh.pools, bvh.runs[child.index()], nullptr, stats);
-      if (has_beam) farthest = farthest_plane(beam, packet);
     }
   }
-}
+
+private:
+  static bool alone(std::uint32_t beams) noexcept { return (beams & (beams - 1)) == 0; }
+
+  /// Puts the children of a node that any of the beams meets on the stack, the nearest last. Returns the stack's new size.
+  std::int32_t open(std::uint32_t index, std::uint32_t alive, std::int32_t size) noexcept {
+    const WideNode& node = bvh_.nodes[index];
+    std::uint32_t beams[kWideChildren];
+    const std::uint32_t met = alone(alive) ? children_of_one(node, __builtin_ctz(alive), beams) : children_of_group(node, alive, beams);
+    const std::uint32_t order = node.order[octant_];
+    for (int i = kWideChildren - 1; i >= 0; --i) {
+      const std::uint32_t place = order >> 4 * i & 7;
+      stack_[size] = {index * kWideChildren + place, beams[place]};
+      size += static_cast<std::int32_t>(met >> place & 1);
+    }
+    return size;
+  }
+  std::uint32_t children_of_one(const WideNode& node, int p, std::uint32_t* beams) noexcept {
+    const Packet<L, kGroups>& packet = group_.rays[p];
+    const Beam& beam = group_.beam[p];
+    count_visit(packet);
+    for (int c = 0; c < kWideChildren; ++c) beams[c] = 1u << p;
+    std::uint32_t met = (1u << kWideChildren) - 1;
+    if (beam.axis >= 0) {
+      count_beam_tests(kWideChildren);
+      met = children_met<L>(beam, node, group_.farthest[p]);
+      if (beam.slim) return met;
+    }
+    typename L::Mask lanes[Packet<L, kGroups>::kCapacity];
+    for (std::uint32_t left = met; left != 0; left &= left - 1) {
+      const int place = __builtin_ctz(left);
+      if (!rays_meet(node, place, packet, lanes, stats_)) met &= ~(1u << place);
+    }
+    return met;
+  }
+  std::uint32_t children_of_group(const WideNode& node, std::uint32_t alive, std::uint32_t* beams) noexcept {
+    if constexpr (Stats::kCounting) {
+      for (std::uint32_t left = alive; left != 0; left &= left - 1) count_visit(group_.rays[__builtin_ctz(left)]);
+    }
+    count_beam_tests(kWideChildren);
+    std::uint32_t met = children_met<L>(group_.whole, node, group_.farthest_of_all());
+    for (std::uint32_t left = met; left != 0; left &= left - 1) {
+      const int place = __builtin_ctz(left);
+      count_beam_tests(kMaxBeams);
+      beams[place] = beams_met(group_, node, place, alive);
+      if (beams[place] == 0) met &= ~(1u << place);
+    }
+    return met;
+  }
+  /// The beams of an entry that its box may still give something: their hits may have come nearer since.
+  [[nodiscard]] std::uint32_t still_wanted(const WideNode& parent, int place, std::uint32_t beams) const noexcept {
+    using Float = typename L::Float;
+    if (alone(beams)) {
+      const int p = __builtin_ctz(beams);
+      const Beam& beam = group_.beam[p];
+      return beam.axis >= 0 && beam.sign * parent.plane[beam.first_row()][place] > group_.farthest[p] ? 0 : beams;
+    }
+    const Float first(group_.whole.sign * parent.plane[group_.whole.first_row()][place]);
+    std::uint32_t nearer = 0;
+    for (int p = 0; p < kMaxBeams; p += L::kWidth) nearer |= L::bits(first <= L::load(group_.farthest + p)) << p;
+    return nearer & beams;
+  }
+  void test_leaf(const WideNode& parent, int place, int p) noexcept {
+    Packet<L, kGroups>& packet = group_.rays[p];
+    typename L::Mask lanes[Packet<L, kGroups>::kCapacity];
+    if (!rays_meet(parent, place, packet, lanes, stats_)) return;
+    if constexpr (Stats::kCounting) {
+      for (int g = 0; g < packet.group_count(); ++g) {
+        if (L::any(lanes[g])) stats_.template count<Event::leaf_visit, L>(lanes[g]);
+      }
+    }
+    const WideRef child = parent.child[place];
+    if (child.tag() == WideRef::Tag::block) test_block<Q>(group_.beam[p], group_.farthest[p], bvh_.blocks[child.index()], lanes, packet, stats_);
+    else test_run<Q, L, kGroups>(packet, lanes, bvh_.pools, bvh_.runs[child.index()], nullptr, stats_);
+    group_.update_farthest(p);
+  }
+  void count_visit(const Packet<L, kGroups>& packet) noexcept {
+    if constexpr (Stats::kCounting) {
+      for (int g = 0; g < packet.group_count(); ++g) {
+        if (L::any(packet.live(g))) stats_.template count<Event::node_visit, L>(packet.live(g));
+      }
+    }
+  }
+  void count_beam_tests(int tests) noexcept {
+    if constexpr (Stats::kCounting) {
+      for (int t = 0; t < tests; t += L::kWidth) stats_.template count<Event::volume_test, L>(L::mask(0));
+    }
+  }
+
+  const WideBvhView& bvh_;
+  Entry* stack_;
+  BeamGroup<L, kGroups>& group_;
+  Stats stats_;
+  std::uint32_t octant_ = 0;
+};
 
 template <Query Q, class L, class Stats>
 void trace(const WideBvhView& bvh, const TraceArgs& args, Stats stats) noexcept {
-  auto* const stack = reinterpret_cast<std::uint32_t*>(args.scratch);
-  with_groups<L>(args.packet, [&]<int kGroups>() noexcept {
-    for_each_packet<Q, L, kGroups>(args, [&](Packet<L, kGroups>& packet) noexcept { traverse<Q, L, kGroups>(bvh, stack, packet, stats); });
+  auto* const stack = reinterpret_cast<Entry*>(args.scratch);
+  const auto at_most = [](std::int32_t count, std::int32_t most) noexcept { return count < most ? count : most; };
+  with_groups<L>(at_most(args.packet, kBeamRays), [&]<int kGroups>() noexcept {
+    BeamGroup<L, kGroups> group;
+    for (std::int32_t first = 0; first < args.rays.count; first += args.packet) {
+      const std::int32_t count = at_most(args.rays.count - first, args.packet);
+      group.count = 0;
+      for (std::int32_t b = 0; b < count; b += kBeamRays) load_packet(args.rays, first + b, at_most(count - b, kBeamRays), group.rays[group.count++]);
+      Walk<Q, L, kGroups, Stats> walk(bvh, stack, group, stats);
+      if (group.make_beams(bvh.box)) walk.run(group.alive);
+      else for (std::uint32_t left = group.alive; left != 0; left &= left - 1) walk.run(left & -left);
+      for (std::int32_t b = 0; b < count; b += kBeamRays) store_packet<Q>(args, first + b, at_most(count - b, kBeamRays), group.rays[b / kBeamRays]);
+    }
   });
 }
 

@@ -52,7 +52,7 @@ struct WideBvhView {
   std::int32_t stack_capacity;
 };
 
-/// Bytes of traversal stack: an entry is a node and a place.
-[[nodiscard]] constexpr std::size_t wide_stack_bytes(std::int32_t capacity) noexcept { return static_cast<std::size_t>(capacity) * sizeof(std::uint32_t); }
+/// Bytes of traversal stack: an entry is a child and the beams that meet it.
+[[nodiscard]] constexpr std::size_t wide_stack_bytes(std::int32_t capacity) noexcept { return static_cast<std::size_t>(capacity) * 2 * sizeof(std::uint32_t); }
 
 }  // namespace raymeter

@@ -86,27 +86,40 @@ private:
   static constexpr std::align_val_t kAlignment{64};
   static constexpr std::size_t kHugePage = std::size_t{1} << 21;
 
-  /// Traversals touch large columns at random: fewer, larger pages spare address translations. Only a hint, and only to whole pages inside the block.
-  static void prefer_huge_pages(T* data, std::size_t bytes) noexcept {
-    const auto begin = (reinterpret_cast<std::uintptr_t>(data) + kHugePage - 1) & ~(kHugePage - 1);
-    const auto end = (reinterpret_cast<std::uintptr_t>(data) + bytes) & ~(kHugePage - 1);
-    if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-  }
   struct Free {
-    void operator()(T* data) const noexcept { ::operator delete(static_cast<void*>(data), kAlignment); }
+    std::size_t mapped = 0;  ///< bytes that came straight from the system; 0: from the heap
+    void operator()(T* data) const noexcept {
+      if (mapped > 0) munmap(data, mapped);
+      else ::operator delete(static_cast<void*>(data), kAlignment);
+    }
   };
+  using Data = std::unique_ptr<T[], Free>;
+
+  /// Traversals touch large columns at random, and fewer, larger pages spare address translations. The system gives these only to memory that is new to it and
+  /// aligned: what a heap gives out again is in small pages already.
+  static Data map(std::size_t bytes) {
+    bytes = (bytes + kHugePage - 1) & ~(kHugePage - 1);
+    void* const block = mmap(nullptr, bytes + kHugePage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (block == MAP_FAILED) throw std::bad_alloc();
+    auto* const begin = static_cast<std::byte*>(block);
+    const std::size_t before = -reinterpret_cast<std::uintptr_t>(block) & (kHugePage - 1);
+    if (before > 0) munmap(begin, before);
+    if (before < kHugePage) munmap(begin + before + bytes, kHugePage - before);
+    madvise(begin + before, bytes, MADV_HUGEPAGE);  // only a hint
+    return Data(reinterpret_cast<T*>(begin + before), Free{bytes});
+  }
 
   void grow(std::size_t capacity) {
     const std::size_t bytes = (capacity + kColumnPadding) * sizeof(T);
-    std::unique_ptr<T[], Free> data(static_cast<T*>(::operator new(bytes, kAlignment)));
+    const bool large = bytes >= 2 * kHugePage;
+    Data data = large ? map(bytes) : Data(static_cast<T*>(::operator new(bytes, kAlignment)));
     if (size_ > 0) std::memcpy(static_cast<void*>(data.get()), data_.get(), size_ * sizeof(T));
-    prefer_huge_pages(data.get(), bytes);
-    std::memset(static_cast<void*>(data.get() + size_), 0, bytes - size_ * sizeof(T));
+    if (!large) std::memset(static_cast<void*>(data.get() + size_), 0, bytes - size_ * sizeof(T));  // mapped memory is zero
     data_ = std::move(data);
     capacity_ = capacity;
   }
 
-  std::unique_ptr<T[], Free> data_;
+  Data data_;
   std::size_t size_ = 0;
   std::size_t capacity_ = 0;
 };

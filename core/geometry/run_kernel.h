@@ -27,8 +27,8 @@ struct ListedRefs {
 
 /// Tests `count` primitives of one kind against every group of the packet that has a lane in `lanes`.
 /// refs.index(k) gives the pool index of the k-th, test(ray, hit, i) the candidate, prim the pool's ids. Refs that are kSelective also say which of the lanes
-/// want the k-th: refs.wanted(lanes, group, k).
-template <Query Q, class L, int kGroups, class Refs, class Stats, class Test>
+/// want the k-th: refs.wanted(lanes, group, k). kExpectHits: most of the primitives are hit by some lane, so that asking whether costs more than it saves.
+template <Query Q, bool kExpectHits, class L, int kGroups, class Refs, class Stats, class Test>
 inline void test_primitives(Packet<L, kGroups>& packet, const typename L::Mask* lanes, std::int32_t count, const std::int32_t* prim, Refs refs, Stats stats,
                             Test test) noexcept {
   for (int g = 0; g < packet.group_count(); ++g) {
@@ -48,10 +48,10 @@ inline void test_primitives(Packet<L, kGroups>& packet, const typename L::Mask* 
       }
       const std::int32_t i = refs.index(k);
       const SurfaceHit<L> found = test(ray, hit, i);
-      if (L::none(found.meets)) continue;
+      if (!kExpectHits && L::none(found.meets)) continue;
       // Only lanes that asked: what the others would find depends on how the counting kernel skips.
       const auto closer = wanted & improves(ray, hit, found, prim[i]);
-      if (L::none(closer)) continue;
+      if ((!kExpectHits || Stats::kCounting) && L::none(closer)) continue;
       stats.template count<Event::prim_hit, L>(closer);
       update<Q>(hit, closer, found, prim[i]);
     }
@@ -64,7 +64,7 @@ inline void test_refs(Packet<L, kGroups>& packet, const typename L::Mask* lanes,
                       Stats stats) noexcept {
   using Ray = const RayPacket<L>&;
   using Hit = const HitPacket<L>&;
-  const auto test_all = [&](const std::int32_t* prim, auto test) noexcept { test_primitives<Q, L, kGroups>(packet, lanes, count, prim, refs, stats, test); };
+  const auto test_all = [&](const std::int32_t* prim, auto test) noexcept { test_primitives<Q, false>(packet, lanes, count, prim, refs, stats, test); };
   switch (kind) {
     case PrimKind::triangle:
       test_all(pools.triangles.prim, [&](Ray ray, Hit, std::int32_t i) noexcept { return intersect_triangle(ray, pools.triangles, i); });

@@ -43,8 +43,8 @@ template <class L>
   return {L::neg_mul_add(ray.shear[0], depth, p - ray.shear_org[0]), L::neg_mul_add(ray.shear[1], depth, q - ray.shear_org[1]), ray.shear[2] * depth};
 }
 
-/// The triangle of three vertices in ray space.
-template <class L>
+/// The triangle of three vertices in ray space. `kExpectHits` saves the branch that ends a test which no lane passes.
+template <class L, bool kExpectHits = false>
 [[gnu::always_inline]] inline SurfaceHit<L> intersect_triangle(const ShearedVertex<L>& a, const ShearedVertex<L>& b, const ShearedVertex<L>& c) noexcept {
   using Float = typename L::Float;
   const Float zero(0.0f);
@@ -56,7 +56,7 @@ template <class L>
   const Float det = weight_a + weight_b + weight_c;
   SurfaceHit<L> hit{{}, zero, zero, zero};
   hit.meets = ((least >= zero) | (most <= zero)) & (det != zero);
-  if (L::none(hit.meets)) return hit;
+  if (!kExpectHits && L::none(hit.meets)) return hit;
   const Float inv_det = Float(1.0f) / det;
   // Exactly 1 at a vertex, so that t is that vertex's in all triangles that share it, and the tie goes to the smallest id.
   const auto share = [&](Float weight) noexcept -> Float { return L::select(weight == det, Float(1.0f), weight * inv_det); };

@@ -154,6 +154,28 @@ inline void store_any(std::int32_t* blocker, std::int32_t first, std::int32_t co
   for (std::int32_t lane = 0; lane < count; ++lane) blocker[first + lane] = prim_lane[lane];
 }
 
+/// Loads `count` rays from `first` on.
+template <class L, int kGroups>
+inline void load_packet(const RayView& rays, std::int32_t first, std::int32_t count, Packet<L, kGroups>& packet) noexcept {
+  packet.runtime_groups = (count + L::kWidth - 1) / L::kWidth;
+  for (int g = 0; g < packet.group_count(); ++g) {
+    const std::int32_t in_group = count - g * L::kWidth;
+    load_group<L>(rays, first + g * L::kWidth, in_group < L::kWidth ? in_group : L::kWidth, packet.ray[g], packet.hit[g]);
+  }
+}
+
+/// Stores what `count` rays from `first` on have met.
+template <Query Q, class L, int kGroups>
+inline void store_packet(const TraceArgs& args, std::int32_t first, std::int32_t count, const Packet<L, kGroups>& packet) noexcept {
+  for (int g = 0; g < packet.group_count(); ++g) {
+    const std::int32_t begin = first + g * L::kWidth;
+    const std::int32_t in_group = count - g * L::kWidth;
+    const std::int32_t stored = in_group < L::kWidth ? in_group : L::kWidth;
+    if constexpr (Q == Query::closest) store_closest<L>(args.hits, begin, stored, packet.ray[g], packet.hit[g]);
+    else store_any<L>(args.blocker, begin, stored, packet.hit[g]);
+  }
+}
+
 /// Calls traverse(Packet<L, kGroups>&) for every packet of the slice and stores what it found.
 template <Query Q, class L, int kGroups, class Traverse>
 inline void for_each_packet(const TraceArgs& args, Traverse&& traverse) noexcept {
@@ -161,19 +183,9 @@ inline void for_each_packet(const TraceArgs& args, Traverse&& traverse) noexcept
   for (std::int32_t first = 0; first < args.rays.count; first += args.packet) {
     const std::int32_t left = args.rays.count - first;
     const std::int32_t count = left < args.packet ? left : args.packet;
-    packet.runtime_groups = (count + L::kWidth - 1) / L::kWidth;
-    for (int g = 0; g < packet.group_count(); ++g) {
-      const std::int32_t in_group = count - g * L::kWidth;
-      load_group<L>(args.rays, first + g * L::kWidth, in_group < L::kWidth ? in_group : L::kWidth, packet.ray[g], packet.hit[g]);
-    }
+    load_packet(args.rays, first, count, packet);
     traverse(packet);
-    for (int g = 0; g < packet.group_count(); ++g) {
-      const std::int32_t begin = first + g * L::kWidth;
-      const std::int32_t in_group = count - g * L::kWidth;
-      const std::int32_t stored = in_group < L::kWidth ? in_group : L::kWidth;
-      if constexpr (Q == Query::closest) store_closest<L>(args.hits, begin, stored, packet.ray[g], packet.hit[g]);
-      else store_any<L>(args.blocker, begin, stored, packet.hit[g]);
-    }
+    store_packet<Q>(args, first, count, packet);
   }
 }
 
