@@ -4,6 +4,7 @@
 #include <bit>
 #include <set>
 
+#include "accel/bvh/box_builders.h"
 #include "accel/bvh/wide_tree.h"
 #include "accel/registry.h"
 #include "core/trace/trace.h"
