@@ -26,10 +26,12 @@ class Binary {
 public:
   Binary(const Scene& scene, BvhTree& tree, int max_leaf_size) : scene_(scene), tree_(tree), max_leaf_size_(static_cast<std::size_t>(max_leaf_size)) {
     for (std::size_t n = 0; n < tree_.nodes.size(); ++n) {  // grows behind n
+      while (tree_.nodes[n].child_count == 1) tree_.nodes[n] = tree_.nodes[static_cast<std::size_t>(tree_.nodes[n].first)];
       if (tree_.nodes[n].child_count == 0) split_leaf(n);
       else if (tree_.nodes[n].child_count > 2) halve_children(n);
     }
   }
+
 private:
   void split_leaf(std::size_t n) {
     const BvhTree::Node leaf = tree_.nodes[n];

@@ -147,6 +147,27 @@ TEST(WideTree, HoldsEachPrimitiveOnceInsideItsBoxes) {
   }
 }
 
+TEST(WideTree, TakesTreesOfAnyArity) {
+  const Scene scene = test::icosphere(2);
+  BvhTree tree;  // a root above one node above all primitives, one leaf each
+  const std::int32_t prims = scene.prim_id_count();
+  tree.nodes.resize(static_cast<std::size_t>(prims) + 2);
+  for (std::int32_t id = 0; id < prims; ++id) {
+    tree.order.push_back(scene.prim(id));
+    BvhTree::Node& leaf = tree.nodes[static_cast<std::size_t>(id) + 2];
+    leaf.box = padded_bounds(scene.pools(), scene.prim(id));
+    leaf.first = id;
+    leaf.prim_count = 1;
+    tree.nodes[1].box.grow(leaf.box);
+  }
+  tree.nodes[1].first = 2;
+  tree.nodes[1].child_count = prims;
+  tree.nodes[0].box = tree.nodes[1].box;
+  tree.nodes[0].first = 1;
+  tree.nodes[0].child_count = 1;
+  EXPECT_EQ(collapse_wide(scene, tree, {}).stats.references, prims);
+}
+
 TEST(WideTree, OrdersPlacesForEveryOctant) {
   const Scene scene = hills(30, 1, {0, 0, 0});
   const WideTree tree = collapse_wide(scene, build_binned_sah(scene, {}, 2), {});
