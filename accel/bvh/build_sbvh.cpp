@@ -224,8 +224,9 @@ private:
     if (may_be_leaf && !(node_cost * area + std::min(object.cost, spatial.cost) < area * static_cast<float>(references.size()))) return {};
     if (spatial.cost < object.cost) {
       Sides sides = split_by_plane(references, spatial, box);
-      const bool smaller = sides.left.size() < references.size() && sides.right.size() < references.size();
-      if (smaller && sides.left.size() + sides.right.size() <= references.size() + budget) return sides;
+      // Where a child has no fewer references than the node, the split has used up some of the budget: that cannot go on for ever.
+      const bool both = !sides.left.empty() && !sides.right.empty();
+      if (both && sides.left.size() + sides.right.size() <= references.size() + budget) return sides;
     }
     if (object.axis >= 0) return split_by_centers(references, object, centers2);
     const auto middle = references.begin() + static_cast<std::ptrdiff_t>(references.size() / 2);
