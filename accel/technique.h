@@ -29,6 +29,8 @@ struct BuildStats {
   std::optional<double> cost_depth;        ///< mean depth of the SAH cost
   std::optional<double> cost_depth_p90;    ///< depth down to which nine tenths of it lie
   std::optional<double> epo_se;            ///< standard error of epo: 0 where nothing had to be sampled
+  std::optional<double> volume_area;       ///< surface area of all bounding volumes together: of nodes, or of what a list puts one around
+  std::optional<double> void_area;         ///< lists: the volumes' mean projected areas less those of the primitives in them
   std::size_t mem_bytes = 0;               ///< of the structure alone, without the scene
   [[nodiscard]] std::int64_t nodes() const noexcept { return interior_nodes + leaves; }
 };

@@ -37,8 +37,8 @@ struct Travellers {
 /// Tests the live rays against the volume of link `c` and calls each(group, meets, entry) for each register of them; entry distances mean something where
 /// `meets`, which is empty for registers without live rays.
 template <bool kUniform, class Layout, class L, int kGroups, class Stats, class Each>
-[[gnu::always_inline]] inline void test_volume(const VolumeLinksView<Layout>& links, const Travellers<Layout, L, kGroups>& travellers, std::int32_t octant, std::int32_t c,
-                                               Stats stats, Each each) noexcept {
+[[gnu::always_inline]] inline void test_volume(const VolumeLinksView<Layout>& links, const Travellers<Layout, L, kGroups>& travellers, std::int32_t octant,
+                                               std::int32_t c, Stats stats, Each each) noexcept {
   const VolumeTest<Layout, L, kUniform> volume(links.shared, links.volume(c), octant);
   for (int g = 0; g < travellers.packet.group_count(); ++g) {
     const typename L::Mask live = travellers.live[g];

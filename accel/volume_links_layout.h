@@ -39,8 +39,10 @@ struct VolumeLinksView {
   std::int32_t runtime_link_bytes;
 
   [[nodiscard]] const std::byte* address(std::int32_t link) const noexcept {
-    if constexpr (Layout::kFloats > 0) return links + static_cast<std::int64_t>(link) * volume_link_bytes(Layout::kFloats);
-    else return links + static_cast<std::int64_t>(link) * runtime_link_bytes;
+    if constexpr (Layout::kFloats > 0)
+      return links + static_cast<std::int64_t>(link) * volume_link_bytes(Layout::kFloats);
+    else
+      return links + static_cast<std::int64_t>(link) * runtime_link_bytes;
   }
   [[nodiscard]] const VolumeLink& link(std::int32_t i) const noexcept { return *reinterpret_cast<const VolumeLink*>(address(i)); }
   [[nodiscard]] const float* volume(std::int32_t i) const noexcept { return reinterpret_cast<const float*>(address(i) + sizeof(VolumeLink)); }

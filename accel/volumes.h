@@ -26,7 +26,8 @@ template <class Params>
   using Field = Param<Params>;
   return {
       Field{"tight", &Params::tight, "sphere: nearly the smallest one, instead of one about the box's centre"},
-      Field{"axes", &Params::axes, "obb: of the composite object's own space, the principal components, or those of least area", 0, 0, {"best", "pca", "object"}},
+      Field{
+          "axes", &Params::axes, "obb: of the composite object's own space, the principal components, or those of least area", 0, 0, {"best", "pca", "object"}},
       Field{"k", &Params::k, "kdop: planes; 6, 8, 12, 14, 18, 20 or 26", 6, 26},
       Field{"directions", &Params::directions, "kdop: own directions instead, as in 1 0 0/0 1 0/0 0.6 0.8"},
   };

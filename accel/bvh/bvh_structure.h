@@ -23,7 +23,8 @@ template <BoundingVolume V>
     if constexpr (std::same_as<V, AabbVolume>) {
       bounds[i] = tree.node(source.node).box;
     } else if (!V::kMergeIsTight || flat.links[i].tag() != VolumeLink::kInner) {
-      bounds[i] = volume.fit(scene, std::span(flat.order).subspan(static_cast<std::size_t>(source.first_prim), static_cast<std::size_t>(source.end_prim - source.first_prim)));
+      bounds[i] = volume.fit(
+          scene, std::span(flat.order).subspan(static_cast<std::size_t>(source.first_prim), static_cast<std::size_t>(source.end_prim - source.first_prim)));
     }
   };
   on_threads(threads, [&] { for_each_index(flat.links.size(), fit); });
@@ -35,6 +36,28 @@ template <BoundingVolume V>
     for (std::size_t c = 1; c < static_cast<std::size_t>(link.count()); ++c) bounds[i] = volume.merge(bounds[i], bounds[first + c]);
   }
   return bounds;
+}
+
+/// Adds the area of the nodes' volumes, and the SAH cost by these areas.
+template <BoundingVolume V>
+void add_volume_quality(const V& volume, const Scene& scene, const BvhTree& tree, int threads, BuildStats& stats) {
+  const FlatTree flat = flatten(tree);
+  const std::vector<typename V::Bound> bounds = link_bounds(volume, scene, tree, flat, threads);
+  std::vector<double> half_area(bounds.size(), 0);
+  on_threads(threads, [&] {
+    for_each_index(bounds.size(), [&](std::size_t i) {
+      if (flat.sources[i].node >= 0) half_area[i] = volume.half_area(bounds[i]);
+    });
+  });
+  double area_sum = 0, cost_sum = 0;
+  for (std::size_t i = 0; i < bounds.size(); ++i) {
+    const FlatTree::Source& source = flat.sources[i];
+    const bool inner = flat.links[i].tag() == VolumeLink::kInner;
+    area_sum += half_area[i];
+    cost_sum += half_area[i] * (inner ? 1 : source.end_prim - source.first_prim);
+  }
+  stats.volume_area = 2 * area_sum;
+  if (half_area[0] > 0) stats.sah_cost = cost_sum / half_area[0];
 }
 
 /// A hierarchy laid out for the traversals of any kind of volume.

@@ -25,7 +25,9 @@ void add_bvh_quality(const Scene& scene, const ParamValues& values, int threads,
   const auto params = bind<BvhParams>(values);
   if (params.traversal == "beam") return;  // its tree is collapsed as no builder hands it over
   // The layout does not keep the tree.
-  add_tree_quality(scene, build_bvh_tree(scene, params, threads), threads, stats);
+  const BvhTree tree = build_bvh_tree(scene, params, threads);
+  add_tree_quality(scene, tree, threads, stats);
+  with_volume(params.volume, params, scene, [&](const auto& volume) { add_volume_quality(volume, scene, tree, threads, stats); });
 }
 
 }  // namespace raymeter

@@ -13,12 +13,12 @@ namespace raymeter {
 struct FlatTree {
   /// Where a link comes from.
   struct Source {
-    std::int32_t node = -1;        ///< in the tree; -1: the unused link 1
-    std::int32_t first_prim = 0;   ///< what is below: [first_prim, end_prim) of `order`
+    std::int32_t node = -1;       ///< in the tree; -1: the unused link 1
+    std::int32_t first_prim = 0;  ///< what is below: [first_prim, end_prim) of `order`
     std::int32_t end_prim = 0;
   };
   std::vector<VolumeLink> links;  ///< link 0 is the root
-  std::vector<Source> sources; ///< of each link
+  std::vector<Source> sources;    ///< of each link
   std::vector<PrimitiveRun> runs;
   std::vector<PrimRef> order;
   std::int32_t stack_capacity = 1;  ///< entries that a depth-first traversal needs: the sum of children - 1 along a path, and one

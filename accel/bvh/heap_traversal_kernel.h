@@ -100,9 +100,8 @@ void trace_by_heap(const BvhView<Layout>& bvh, const TraceArgs& args, Stats stat
   BvhQueue<L> queue(args.scratch, bvh.heap_capacity);
   with_groups<L>(args.packet, [&]<int kGroups>() noexcept {
     for_each_packet<Q, L, kGroups>(args, [&](Packet<L, kGroups>& packet) noexcept {
-      with_signs<Layout>(packet, [&]<bool kUniform>(std::int32_t octant) noexcept {
-        traverse_by_heap<Q, kUniform, Layout>(bvh, queue, packet, octant, stats);
-      });
+      with_signs<Layout>(packet,
+                         [&]<bool kUniform>(std::int32_t octant) noexcept { traverse_by_heap<Q, kUniform, Layout>(bvh, queue, packet, octant, stats); });
     });
   });
 }

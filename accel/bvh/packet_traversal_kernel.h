@@ -17,7 +17,7 @@ namespace raymeter {
 template <class L, int kGroups>
 struct BvhStack {
   float* distances;
-  float* key;          // the entry distance of one lane, to order siblings by
+  float* key;  // the entry distance of one lane, to order siblings by
   std::int32_t* link;
   std::int32_t* row;
   std::int32_t row_floats;
@@ -81,8 +81,8 @@ template <class Layout>
 
 /// Pushes link `c` where any live lane meets its volume.
 template <bool kUniform, class Layout, class L, int kGroups, class Stats>
-[[gnu::always_inline]] inline void push_if_met(const BvhView<Layout>& bvh, const Travellers<Layout, L, kGroups>& travellers, std::int32_t octant, std::int32_t c,
-                                               BvhStack<L, kGroups>& stack, Stats stats) noexcept {
+[[gnu::always_inline]] inline void push_if_met(const BvhView<Layout>& bvh, const Travellers<Layout, L, kGroups>& travellers, std::int32_t octant,
+                                               std::int32_t c, BvhStack<L, kGroups>& stack, Stats stats) noexcept {
   using Float = typename L::Float;
   float* const out = stack.distances_of(stack.size);
   std::uint64_t met = 0;
@@ -134,9 +134,8 @@ void trace_by_stack(const BvhView<Layout>& bvh, const TraceArgs& args, Stats sta
   with_groups<L>(args.packet, [&]<int kGroups>() noexcept {
     BvhStack<L, kGroups> stack(args.scratch, bvh.stack_capacity, (args.packet + L::kWidth - 1) / L::kWidth);
     for_each_packet<Q, L, kGroups>(args, [&](Packet<L, kGroups>& packet) noexcept {
-      with_signs<Layout>(packet, [&]<bool kUniform>(std::int32_t octant) noexcept {
-        traverse_by_stack<Q, kUniform, Layout>(bvh, stack, packet, octant, stats);
-      });
+      with_signs<Layout>(packet,
+                         [&]<bool kUniform>(std::int32_t octant) noexcept { traverse_by_stack<Q, kUniform, Layout>(bvh, stack, packet, octant, stats); });
     });
   });
 }

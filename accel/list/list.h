@@ -26,13 +26,17 @@ struct ListParams : VolumeParams {
 /// All parameters with their values; throws Error also where those of the volume contradict each other.
 [[nodiscard]] ParamValues resolve_list(const ParamValues& values);
 
+/// Adds the areas of the volumes.
+void add_list_quality(const Scene& scene, const ParamValues& values, int threads, BuildStats& stats);
 [[nodiscard]] std::unique_ptr<Structure> build_list(const Scene& scene, const ParamValues& values, int threads);
 
-inline constexpr StructureEntry kListEntry{"list",
-                                           "every ray against every object, optionally behind a bounding volume: the reference that all others are held against",
-                                           "Whitted 1980, CACM 23(6)",
-                                           param_infos<ListParams>,
-                                           resolve_list,
-                                           build_list};
+inline constexpr StructureEntry kListEntry{
+    "list",
+    "every ray against every object, optionally behind a bounding volume: the reference that all others are held against",
+    "Whitted 1980, CACM 23(6)",
+    param_infos<ListParams>,
+    resolve_list,
+    build_list,
+    add_list_quality};
 
 }  // namespace raymeter

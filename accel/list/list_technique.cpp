@@ -4,6 +4,7 @@
 #include "accel/list/list_kernel.h"
 #include "accel/volume_links.h"
 #include "core/base/threads.h"
+#include "core/bounds/prim_hull.h"
 
 namespace raymeter {
 
@@ -62,6 +63,13 @@ std::vector<PrimitiveRun> runs_of(std::span<const PrimRef> prims) {
 }
 
 template <BoundingVolume V>
+std::vector<typename V::Bound> bounds_of(const std::vector<std::vector<PrimRef>>& objects, const Scene& scene, const V& volume, int threads) {
+  std::vector<typename V::Bound> bounds(objects.size());
+  on_threads(threads, [&] { for_each_index(objects.size(), [&](std::size_t i) { bounds[i] = volume.fit(scene, objects[i]); }); });
+  return bounds;
+}
+
+template <BoundingVolume V>
 class BoundedObjects final : public Structure {
 public:
   using View = BoundedListView<typename V::Layout>;
@@ -84,10 +92,8 @@ private:
     std::vector<VolumeLink> links;
     std::vector<PrimitiveRun> runs;
     for (const std::vector<PrimRef>& prims : objects) links.push_back(link_to(runs_of(prims), runs));
-    std::vector<typename V::Bound> bounds(objects.size());
-    on_threads(threads, [&] { for_each_index(objects.size(), [&](std::size_t i) { bounds[i] = volume.fit(scene, objects[i]); }); });
     count = static_cast<std::int32_t>(objects.size());
-    return VolumeLinks<V>(volume, links, bounds, std::move(runs));
+    return VolumeLinks<V>(volume, links, bounds_of(objects, scene, volume, threads), std::move(runs));
   }
 
   const Scene& scene_;
@@ -109,6 +115,25 @@ std::unique_ptr<Structure> build_list(const Scene& scene, const ParamValues& val
   if (params.volume == "none") return std::make_unique<List>(scene);
   return with_volume(params.volume, params, scene, [&]<class V>(const V& volume) -> std::unique_ptr<Structure> {
     return std::make_unique<BoundedObjects<V>>(scene, params.around == "object", volume, threads);
+  });
+}
+
+void add_list_quality(const Scene& scene, const ParamValues& values, int threads, BuildStats& stats) {
+  const auto params = bind<ListParams>(values);
+  if (params.volume == "none") return;
+  with_volume(params.volume, params, scene, [&](const auto& volume) {
+    const auto objects = objects_of(scene, params.around == "object");
+    const auto bounds = bounds_of(objects, scene, volume, threads);
+    double half_area = 0, held = 0;
+    bool all_single = true;
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      half_area += volume.half_area(bounds[i]);
+      held += hull_half_area(scene.pools(), objects[i].front());
+      all_single = all_single && objects[i].size() == 1;
+    }
+    stats.volume_area = 2 * half_area;
+    // A convex body's mean projected area is a quarter of its surface area. Of composites, whose parts hide each other, it is not known.
+    if (all_single) stats.void_area = (half_area - held) / 2;
   });
 }
 

@@ -10,7 +10,8 @@ namespace raymeter {
 
 /// The host side of a kind of bounding volume, a small value that builders are templates over; a k-DOP's carries its directions. A Bound is one volume's data.
 ///
-/// fit(scene, prim)     around a primitive, conservative: every hit that the primitive's kernel may accept is inside, but for what the volume's packet test adds
+/// fit(scene, prim)     around a primitive, conservative: every hit that the primitive's kernel may accept is inside, but for what the volume's packet test
+/// adds
 ///                      with the distance of the ray's origin (core/geometry/error_bounds.h).
 /// fit(scene, prims)    around several, as tight as this kind of volume gets; at least one.
 /// merge(a, b)          holds every point of a and b.
@@ -18,7 +19,8 @@ namespace raymeter {
 /// kMergeIsTight        merging single fits is as tight as fitting all at once.
 /// Layout, write, ...   what kernels read: write(a, data) fills floats() numbers, shared() is what all volumes have in common (volume_layout.h).
 template <class V>
-concept BoundingVolume = requires(const V& volume, const Scene& scene, PrimRef prim, std::span<const PrimRef> prims, const typename V::Bound& bound, float* data) {
+concept BoundingVolume = requires(const V& volume, const Scene& scene, PrimRef prim, std::span<const PrimRef> prims, const typename V::Bound& bound,
+                                  float* data) {
   { volume.fit(scene, prim) } -> std::same_as<typename V::Bound>;
   { volume.fit(scene, prims) } -> std::same_as<typename V::Bound>;
   { volume.merge(bound, bound) } -> std::same_as<typename V::Bound>;

@@ -5,11 +5,10 @@
 // No false misses, u = kUnitRoundoff, |.|_1 sums of magnitudes, org measured from the slabs' common origin. Of a hit P at t, N . P is within
 // 32 u |N| |P - org| of the slab (kSurfaceError), and |P - org| <= |t| |dir|_1. That, and the error of N . dir, 4 u |N| |dir|_1, grow with t and so are taken
 // as a tilt of the slab's planes: kappa = 48 u |N| |dir|_1, of which the rest is for the roundings of t. For t >= 0 the plane that is met first has the slope
-// |N . dir| + kappa then, the one that is left |N . dir| - kappa; for t < 0 it would be the other way round: 3 kappa |t_min| more room covers it where t_min < 0.
-// N . org is wrong by 5 u |N| |org|_1 and gets room for 8.
-// Nearly parallel, |N . dir| <= 2 kappa: the plane that is left says nothing of t but that the ray is below it, up to what slope and tilt amount to on the way
-// through all that can be hit: 3 kappa |P - org| / |dir|, with |P - org| <= |org|_1 + radius and |dir|_1 <= 1.8 |dir| less than 260 u |N| (|org|_1 + radius).
-// It gets room for 400, so that what is left over 2^-20 kappa is beyond any such P.
+// |N . dir| + kappa then, the one that is left |N . dir| - kappa; for t < 0 it would be the other way round: 3 kappa |t_min| more room covers it where t_min <
+// 0. N . org is wrong by 5 u |N| |org|_1 and gets room for 8. Nearly parallel, |N . dir| <= 2 kappa: the plane that is left says nothing of t but that the ray
+// is below it, up to what slope and tilt amount to on the way through all that can be hit: 3 kappa |P - org| / |dir|, with |P - org| <= |org|_1 + radius and
+// |dir|_1 <= 1.8 |dir| less than 260 u |N| (|org|_1 + radius). It gets room for 400, so that what is left over 2^-20 kappa is beyond any such P.
 
 #include "core/bounds/volume_test_kernel.h"
 
@@ -21,7 +20,7 @@ struct VolumeRays<KdopLayout, L> {
   static constexpr bool kSigned = false;
   Float base_min[KdopLayout::kMaxSlabs];  ///< N . org, with room on the side of the slab's least plane
   Float base_max[KdopLayout::kMaxSlabs];
-  Float inv_min[KdopLayout::kMaxSlabs];   ///< 1 / slope of the tilted least plane
+  Float inv_min[KdopLayout::kMaxSlabs];  ///< 1 / slope of the tilted least plane
   Float inv_max[KdopLayout::kMaxSlabs];
 
   void prepare(const KdopLayout::Shared& slabs, const RayPacket<L>& ray) noexcept {

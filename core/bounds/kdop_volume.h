@@ -50,9 +50,9 @@ private:
 
   std::vector<glm::vec3> directions_;
   glm::vec3 origin_{0.0f};
-  float radius_ = 0;  ///< of all that can be hit, from the origin
+  float radius_ = 0;                          ///< of all that can be hit, from the origin
   std::array<std::size_t, 3> basis_slabs_{};  ///< three that enclose as much as any three of one width
-  glm::dmat3 basis_{0.0};                      ///< their directions as rows
+  glm::dmat3 basis_{0.0};                     ///< their directions as rows
 };
 static_assert(BoundingVolume<KdopVolume>);
 

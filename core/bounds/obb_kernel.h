@@ -2,9 +2,9 @@
 
 // Rays against an oriented box: the slab test along the box's axes a_i, as stored. All is measured from the box's centre.
 //
-// No false misses, u = kUnitRoundoff, F = org - centre, r the box's reach: of a hit P, |a_i . (P - centre)| <= h_i + 33 u |P - org| (kSurfaceError, |a_i| = 1 up
-// to roundings), and |P - org| <= |F| + r up to roundings, whatever the distance in t. To that add, along a_i: for a_i . F 5 u |F|_1, for the change along the
-// ray, (a_i . dir) t, 7 u |P - org|, and for t's own arithmetic, with one division for three reciprocals, 10 u (|F| + r). A slope below 2^-40 is taken for
+// No false misses, u = kUnitRoundoff, F = org - centre, r the box's reach: of a hit P, |a_i . (P - centre)| <= h_i + 33 u |P - org| (kSurfaceError, |a_i| = 1
+// up to roundings), and |P - org| <= |F| + r up to roundings, whatever the distance in t. To that add, along a_i: for a_i . F 5 u |F|_1, for the change along
+// the ray, (a_i . dir) t, 7 u |P - org|, and for t's own arithmetic, with one division for three reciprocals, 10 u (|F| + r). A slope below 2^-40 is taken for
 // 2^-40, which is less than a rounding. Together less than 64 u (|F|_1 + r), by which the half widths grow.
 
 #include "core/bounds/volume_test_kernel.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 
@@ -101,6 +102,30 @@ PrimHull prim_hull(const Pools& pools, PrimRef prim) noexcept {
   const double coordinate = std::max(largest_coordinate(low), largest_coordinate(high));
   hull.margin += double{kSurfaceError} * glm::length(high - low) + kRoundings * coordinate;
   return hull;
+}
+
+double hull_half_area(const Pools& pools, PrimRef prim) noexcept {
+  const std::size_t i = prim.index;
+  glm::dvec3 twice_area(0.0);
+  switch (prim.kind()) {
+    case PrimKind::sphere: return 2 * std::numbers::pi * double{pools.spheres.radius[i]} * double{pools.spheres.radius[i]};
+    case PrimKind::triangle: {
+      const glm::dvec3 a = at(pools.triangles.vertex[0], i);
+      return glm::length(glm::cross(at(pools.triangles.vertex[1], i) - a, at(pools.triangles.vertex[2], i) - a)) / 2;
+    }
+    case PrimKind::polygon: {
+      const auto first = static_cast<std::size_t>(pools.polygons.first_vertex[i]), end = static_cast<std::size_t>(pools.polygons.first_vertex[i + 1]);
+      const glm::dvec3 a = at(pools.polygons.vertex, first);
+      for (std::size_t k = first + 2; k < end; ++k) twice_area += glm::cross(at(pools.polygons.vertex, k - 1) - a, at(pools.polygons.vertex, k) - a);
+      return glm::length(twice_area) / 2;
+    }
+    case PrimKind::cone: {
+      const double base = double{pools.cones.radius[0][i]}, apex = double{pools.cones.radius[1][i]};
+      const double slant = std::hypot(glm::length(at(pools.cones.axis, i)), base - apex);
+      return std::numbers::pi * ((base + apex) * slant + base * base + apex * apex) / 2;
+    }
+  }
+  return 0;
 }
 
 }  // namespace raymeter

@@ -32,4 +32,7 @@ struct PrimHull {
 /// Of a polygon it is the box: at grazing incidence its kernel may find t anywhere in there.
 [[nodiscard]] PrimHull prim_hull(const Pools& pools, PrimRef prim) noexcept;
 
+/// Half the surface area of a primitive's convex hull: twice its mean projected area. Cones count with their lids; of concave polygons it is the own area.
+[[nodiscard]] double hull_half_area(const Pools& pools, PrimRef prim) noexcept;
+
 }  // namespace raymeter

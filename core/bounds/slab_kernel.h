@@ -1,8 +1,8 @@
 #pragma once
 
 // Rays against an axis-aligned box, with no false misses. Subtract, then multiply; near and far planes by the sign bit of the direction; reciprocals of zero
-// stay infinite and 0 * inf = NaN falls through min and max (a ray in a face plane is inside, the box is closed). The interval grows by kSlabPadding relative to
-// its ends (Ize 2013, JCGT 2(2)), and more than rounding asks for: by what the primitive kernels may err (error_bounds.h).
+// stay infinite and 0 * inf = NaN falls through min and max (a ray in a face plane is inside, the box is closed). The interval grows by kSlabPadding relative
+// to its ends (Ize 2013, JCGT 2(2)), and more than rounding asks for: by what the primitive kernels may err (error_bounds.h).
 
 #include "core/geometry/error_bounds.h"
 #include "core/ray/ray_packet.h"

@@ -11,8 +11,8 @@ struct BoundingSphere {
   float radius = 0;
 };
 
-/// Bounding spheres (Whitted 1980). The simple fit takes the centre of the box and the furthest point; the tight one moves the centre towards the furthest point
-/// by ever smaller steps (Badoiu, Clarkson 2003: Smaller core-sets for balls), to within a percent of the smallest ball.
+/// Bounding spheres (Whitted 1980). The simple fit takes the centre of the box and the furthest point; the tight one moves the centre towards the furthest
+/// point by ever smaller steps (Badoiu, Clarkson 2003: Smaller core-sets for balls), to within a percent of the smallest ball.
 struct SphereVolume {
   using Bound = BoundingSphere;
   using Layout = SphereLayout;

@@ -29,11 +29,11 @@ struct KdopLayout {
   static constexpr std::int32_t kFloats = 0;
   static constexpr std::int32_t kMaxSlabs = 13;
   struct Shared {
-    std::int32_t count;                ///< slabs
+    std::int32_t count;  ///< slabs
     float direction[kMaxSlabs][3];
-    float length[kMaxSlabs];           ///< of the directions, rounded up
-    float origin[3];                   ///< slabs are measured from here
-    float radius;                      ///< all that can be hit is no further from there
+    float length[kMaxSlabs];  ///< of the directions, rounded up
+    float origin[3];          ///< slabs are measured from here
+    float radius;             ///< all that can be hit is no further from there
   };
 };
 

@@ -1,8 +1,8 @@
 #pragma once
 
-// What a kind of bounding volume gives to traversals; each kind specialises these in core/bounds/<volume>_kernel.h for its Layout (core/bounds/volume_layout.h).
-// A test may not miss: where a primitive inside the volume accepts a hit at t, t is inside the interval (core/geometry/error_bounds.h). NaN at an end of the
-// interval means that nothing is known of this end.
+// What a kind of bounding volume gives to traversals; each kind specialises these in core/bounds/<volume>_kernel.h for its Layout
+// (core/bounds/volume_layout.h). A test may not miss: where a primitive inside the volume accepts a hit at t, t is inside the interval
+// (core/geometry/error_bounds.h). NaN at an end of the interval means that nothing is known of this end.
 
 #include "core/bounds/slab_kernel.h"
 #include "core/bounds/volume_layout.h"

@@ -41,8 +41,8 @@ struct MicroFunctions {
 
 template <Isa I>
 constexpr MicroFunctions functions_of() {
-  return {MicroKernel<I>::spheres, MicroKernel<I>::triangles, MicroKernel<I>::polygons, MicroKernel<I>::cones,          MicroKernel<I>::bounding_boxes,
-          MicroKernel<I>::bounding_spheres, MicroKernel<I>::oriented_boxes, MicroKernel<I>::bounding_slabs};
+  return {MicroKernel<I>::spheres,        MicroKernel<I>::triangles,        MicroKernel<I>::polygons,       MicroKernel<I>::cones,
+          MicroKernel<I>::bounding_boxes, MicroKernel<I>::bounding_spheres, MicroKernel<I>::oriented_boxes, MicroKernel<I>::bounding_slabs};
 }
 constexpr std::array kFunctions{functions_of<Isa::scalar>(), functions_of<Isa::sse42>(), functions_of<Isa::avx2>(), functions_of<Isa::avx512>()};
 
@@ -82,9 +82,7 @@ struct Targets {
 
 void add_sphere(Targets& targets, const glm::dvec2& at) { targets.scene.add_sphere({at.x, at.y, 0}, 0.7); }
 
-void add_triangle(Targets& targets, const glm::dvec2& at) {
-  targets.scene.add_triangle({at.x - 1, at.y - 1, 0}, {at.x + 1, at.y - 1, 0}, {at.x, at.y + 1, 0});
-}
+void add_triangle(Targets& targets, const glm::dvec2& at) { targets.scene.add_triangle({at.x - 1, at.y - 1, 0}, {at.x + 1, at.y - 1, 0}, {at.x, at.y + 1, 0}); }
 
 void add_quad(Targets& targets, const glm::dvec2& at) { targets.scene.add_polygon(outline(4, at, 1)); }
 
@@ -184,9 +182,12 @@ int main(int argc, char** argv) {
     Targets targets;
   };
   const std::array kinds{
-      Kind{"sphere", &MicroFunctions::spheres, Targets(add_sphere)},       Kind{"triangle", &MicroFunctions::triangles, Targets(add_triangle)},
-      Kind{"quad", &MicroFunctions::polygons, Targets(add_quad)},          Kind{"polygon144", &MicroFunctions::polygons, Targets(add_polygon)},
-      Kind{"cone", &MicroFunctions::cones, Targets(add_cone)},             Kind{"aabb", &MicroFunctions::bounding_boxes, bounded(AabbVolume())},
+      Kind{"sphere", &MicroFunctions::spheres, Targets(add_sphere)},
+      Kind{"triangle", &MicroFunctions::triangles, Targets(add_triangle)},
+      Kind{"quad", &MicroFunctions::polygons, Targets(add_quad)},
+      Kind{"polygon144", &MicroFunctions::polygons, Targets(add_polygon)},
+      Kind{"cone", &MicroFunctions::cones, Targets(add_cone)},
+      Kind{"aabb", &MicroFunctions::bounding_boxes, bounded(AabbVolume())},
       Kind{"bounding_sphere", &MicroFunctions::bounding_spheres, bounded(SphereVolume())},
       Kind{"obb", &MicroFunctions::oriented_boxes, bounded(ObbVolume())},
       Kind{"kdop6", &MicroFunctions::bounding_slabs, bounded_by_slabs(6)},

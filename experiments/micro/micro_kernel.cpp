@@ -49,7 +49,8 @@ MicroSums test_all(const MicroTargets& targets, const RayView& rays, Prepare pre
 
 template <class L, class Test>
 MicroSums test_all(const MicroTargets& targets, const RayView& rays, Test test) noexcept {
-  return test_all<L>(targets, rays, [](const RayPacket<L>&) noexcept {}, test);
+  return test_all<L>(
+      targets, rays, [](const RayPacket<L>&) noexcept {}, test);
 }
 
 }  // namespace
@@ -57,9 +58,8 @@ MicroSums test_all(const MicroTargets& targets, const RayView& rays, Test test) 
 template <Isa I>
 MicroSums MicroKernel<I>::spheres(const MicroTargets& targets, const RayView& rays) noexcept {
   using L = Lanes<I>;
-  return test_all<L>(targets, rays, [&](const RayPacket<L>& ray, const HitPacket<L>&, std::int32_t i) noexcept {
-    return intersect_sphere(ray, targets.pools.spheres, i);
-  });
+  return test_all<L>(targets, rays,
+                     [&](const RayPacket<L>& ray, const HitPacket<L>&, std::int32_t i) noexcept { return intersect_sphere(ray, targets.pools.spheres, i); });
 }
 
 template <Isa I>

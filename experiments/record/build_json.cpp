@@ -8,14 +8,16 @@ namespace raymeter {
 namespace {
 
 using Quality = std::optional<double> BuildStats::*;
-constexpr std::array<std::pair<const char*, Quality>, 8> kQualities{{{"sah_cost", &BuildStats::sah_cost},
-                                                                     {"epo", &BuildStats::epo},
-                                                                     {"sibling_distance", &BuildStats::sibling_distance},
-                                                                     {"node_volume", &BuildStats::node_volume},
-                                                                     {"total_volume", &BuildStats::total_volume},
-                                                                     {"cost_depth", &BuildStats::cost_depth},
-                                                                     {"cost_depth_p90", &BuildStats::cost_depth_p90},
-                                                                     {"epo_se", &BuildStats::epo_se}}};
+constexpr std::array<std::pair<const char*, Quality>, 10> kQualities{{{"sah_cost", &BuildStats::sah_cost},
+                                                                      {"epo", &BuildStats::epo},
+                                                                      {"sibling_distance", &BuildStats::sibling_distance},
+                                                                      {"node_volume", &BuildStats::node_volume},
+                                                                      {"total_volume", &BuildStats::total_volume},
+                                                                      {"cost_depth", &BuildStats::cost_depth},
+                                                                      {"cost_depth_p90", &BuildStats::cost_depth_p90},
+                                                                      {"epo_se", &BuildStats::epo_se},
+                                                                      {"volume_area", &BuildStats::volume_area},
+                                                                      {"void_area", &BuildStats::void_area}}};
 
 }  // namespace
 

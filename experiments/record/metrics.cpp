@@ -43,6 +43,8 @@ constexpr std::array kMetrics{
     Metric{Table::builds, "cost_depth", neither, "mean depth of the SAH cost: what nodes near the root cost matters to more rays"},
     Metric{Table::builds, "cost_depth_p90", neither, "depth down to which nine tenths of the SAH cost lie"},
     Metric{Table::builds, "epo_se", neither, "standard error of epo; 0 where no surface had to be sampled"},
+    Metric{Table::builds, "volume_area", lower, "surface area of all bounding volumes together: of nodes, or of what a list puts one around"},
+    Metric{Table::builds, "void_area", lower, "lists: mean projected areas of the volumes less those of the primitives in them"},
 
     Metric{Table::counters, "ray_count", exact, "rays of the pass"},
     Metric{Table::counters, "node_visits", exact, "interior nodes opened, cells stepped into"},

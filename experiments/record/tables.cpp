@@ -147,7 +147,9 @@ void add_build_rows(const Source& source, const Experiment& cell, const std::fun
        number(s.total_volume),
        number(s.cost_depth),
        number(s.cost_depth_p90),
-       number(s.epo_se)});
+       number(s.epo_se),
+       number(s.volume_area),
+       number(s.void_area)});
 }
 
 /// The per-ray averages that counters.csv and summary.csv share; empty where nothing was counted.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from .bounding_volumes import volumes_table
 from .break_even import break_even_table
 from .cells import Cell, best_cells, load_cells, rays_of, scenes_of, techniques_of
 from .figures import Plot, write_plots
@@ -46,6 +47,7 @@ class Report:
     counters: Table
     builds: Table
     break_even: Table
+    volumes: Table
     accuracy: Table
     plots: list[Plot]
     pictures: list[Picture]
@@ -80,6 +82,7 @@ def make_report(runs: Sequence[Run], out: Path) -> Report:
         counters=counters_table(cells),
         builds=builds_table(cells),
         break_even=break_even_table(cells),
+        volumes=volumes_table(cells),
         accuracy=accuracy_table(cells),
         plots=write_plots(runs, cells, out / "plots"),
         pictures=[picture for run in runs for picture in pictures_of(run)],

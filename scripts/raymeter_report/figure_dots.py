@@ -107,6 +107,8 @@ def add_legend(figure: Figure, techniques: list[str], looks: dict[str, Look], wi
     room = figure.get_figwidth()
     columns = len(handles) if sum(widths) <= room else max(1, int(room / max(widths)))
     legend_height = 0.06 + 0.155 * math.ceil(len(handles) / columns)
+    # Figures are made with room for two lines of legend; what many techniques need is added, so that the panels keep their size.
+    figure.set_figheight(figure.get_figheight() + max(0.0, legend_height - 0.37))
     figure.set_layout_engine("constrained", rect=(0, 0, 1, 1 - legend_height / figure.get_figheight()))
     figure.legend(
         handles=handles, loc="upper left", bbox_to_anchor=(0, 1), ncols=columns, handletextpad=0.3, columnspacing=1.4, labelspacing=0.3, borderaxespad=0.1

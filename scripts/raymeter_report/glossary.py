@@ -80,6 +80,8 @@ GLOSSARY: dict[str, list[Term]] = {
         Term("cost_depth", "", "Mean depth of the SAH cost: nodes near the root are paid for by more rays."),
         Term("cost_depth_p90", "", "Depth down to which nine tenths of the SAH cost lie."),
         Term("epo_se", "", "Standard error of epo; 0 where no surface had to be sampled."),
+        Term("volume_area", "", "Surface area of all bounding volumes together: of a hierarchy's nodes, of what a list puts one around."),
+        Term("void_area", "", "Mean projected areas of the volumes of a list less those of the primitives in them; cones count with lids."),
     ],
     "accuracy.csv": [
         Term("rays_checked", "rays", "Rays held against the exact oracle: all, or a seeded sample."),

@@ -161,7 +161,7 @@ def builds_table(cells: Sequence[Cell]) -> Table:
         ("bytes_per_prim", "memory per primitive", "bytes", significant, 1.0), ("epo_se", "EPO, standard error", "", significant, 1.0),
         ("sibling_distance", "sibling distance", "", significant, 1.0), ("node_volume", "volume per node", "", significant, 1.0),
         ("total_volume", "total volume", "", significant, 1.0), ("cost_depth", "depth of cost, mean", "", significant, 1.0),
-        ("cost_depth_p90", "depth of cost, 90 %", "", integer, 1.0),
+        ("cost_depth_p90", "depth of cost, 90 %", "", integer, 1.0), ("volume_area", "area of volumes", "", significant, 1.0),
     )
     columns = [*key_columns(varying, with_rays=False), *(Column(title, unit, hint=name) for name, title, unit, _, _ in measures)]
     rows: list[list[Field]] = []

@@ -186,7 +186,8 @@ void expect_ancestors_hold(const V& volume, const Scene& scene) {
     for (std::size_t i = 0; i < bounds.size(); ++i) {
       const FlatTree::Source& source = flat.sources[i];
       for (int point = 0; source.node >= 0 && point < 3; ++point) {
-        const PrimRef prim = flat.order[static_cast<std::size_t>(source.first_prim) + random.below(static_cast<std::size_t>(source.end_prim - source.first_prim))];
+        const PrimRef prim =
+            flat.order[static_cast<std::size_t>(source.first_prim) + random.below(static_cast<std::size_t>(source.end_prim - source.first_prim))];
         const Exact p = surface_point(scene.pools(), prim, random) + error_for(volume, tight_bounds(scene.pools(), prim), random);
         ASSERT_TRUE(holds(volume, bounds[i], p)) << scene.name << " " << technique << " node " << i;
       }
@@ -230,10 +231,10 @@ TEST(Kdop, AreaIsThatOfItsPolytope) {
   scene.add_sphere({5, -3, 8}, 1);
   scene.finish();
   const auto area = [&](const KdopVolume& volume) { return 2 * volume.half_area(volume.fit(scene, scene.prim(0))); };
-  const double kRoundings = 2 * double{kSurfaceError} * std::sqrt(12.0) * 1.01 * 30;  // the padding on a radius of 1 changes an area twice as much
-  EXPECT_NEAR(area(KdopVolume(scene, 6)), 24, kRoundings);                                // cube
-  EXPECT_NEAR(area(KdopVolume(scene, 8)), 12 * std::sqrt(3.0), kRoundings);               // octahedron of inradius 1
-  EXPECT_NEAR(area(KdopVolume(scene, 12)), 12 * std::sqrt(2.0), kRoundings);              // rhombic dodecahedron of inradius 1
+  const double kRoundings = 2 * double{kSurfaceError} * std::sqrt(12.0) * 1.01 * 30;               // the padding on a radius of 1 changes an area twice as much
+  EXPECT_NEAR(area(KdopVolume(scene, 6)), 24, kRoundings);                                         // cube
+  EXPECT_NEAR(area(KdopVolume(scene, 8)), 12 * std::sqrt(3.0), kRoundings);                        // octahedron of inradius 1
+  EXPECT_NEAR(area(KdopVolume(scene, 12)), 12 * std::sqrt(2.0), kRoundings);                       // rhombic dodecahedron of inradius 1
   EXPECT_NEAR(area(KdopVolume(scene, "1 0 0/0 1 0/0.6 0 0.8")), 2 * 5 + 4 * 2.5 * 2, kRoundings);  // prism of height 2 over a rhombus
   const double finest = area(KdopVolume(scene, 26));
   EXPECT_GT(finest, 4 * 3.14159);

@@ -15,7 +15,7 @@ EVENTS = "node_visits,leaf_visits,empty_leaf_visits,volume_tests,prim_tests,prim
 COLUMNS = {  # the contract
     "samples": "sample,order_index,trace_ms,rays_traced,mrays_per_s,ns_per_ray,status",
     "builds": "build_ms,mprims_per_s,nodes,interior_nodes,leaves,empty_leaves,references,max_depth,sah_cost,epo,mem_bytes,bytes_per_prim,break_even_rays,"
-              "scene_bytes,sibling_distance,node_volume,total_volume,cost_depth,cost_depth_p90,epo_se",
+              "scene_bytes,sibling_distance,node_volume,total_volume,cost_depth,cost_depth_p90,epo_se,volume_area,void_area",
     "counters": "ray_count," + EVENTS + "," + ",".join(f"{event}_packets" for event in EVENTS.split(",")) +
                 ",node_visits_per_ray,prim_tests_per_ray,simd_utilization",
     "accuracy": "rays_checked,false_miss,false_hit,wrong_prim,self_hits,t_ulp_p50,t_ulp_p99,t_ulp_max,image_rmse,image_psnr,image_ssim",

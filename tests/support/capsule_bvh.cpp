@@ -58,9 +58,7 @@ struct CapsuleVolume {
       return most;
     });
   }
-  [[nodiscard]] double half_area(const Capsule& c) const noexcept {
-    return 2 * std::numbers::pi * double{c.radius} * (double{c.radius} + double{c.half});
-  }
+  [[nodiscard]] double half_area(const Capsule& c) const noexcept { return 2 * std::numbers::pi * double{c.radius} * (double{c.radius} + double{c.half}); }
   [[nodiscard]] std::int32_t floats() const noexcept { return Layout::kFloats; }
   [[nodiscard]] Layout::Shared shared() const noexcept { return {}; }
   void write(const Capsule& capsule, float* data) const noexcept {
