@@ -21,7 +21,7 @@ struct BvhParams : SahParams, GoldsmithSalmonParams, SbvhParams, PlocParams, Tre
         {"builder", &BvhParams::builder, "how the hierarchy is built", 0, 0, bvh_builder_names()},
         {"traversal", &BvhParams::traversal, "how rays go through it", 0, 0, {"packet", "heap", "beam"}},
         {"bins", &BvhParams::bins, "binned_sah: bins per axis, where a node has at least that many primitives", 2, 64},
-        {"max_leaf_size", &BvhParams::max_leaf_size, "surface area heuristic: larger leaves are split even where that costs more", 1, 64},
+        {"max_leaf_size", &BvhParams::max_leaf_size, "surface area heuristic: larger leaves are split even where that costs more; beam: but for leaves of triangles", 1, 64},
         {"node_cost", &BvhParams::node_cost, "surface area heuristic: cost of a node in primitive tests", 0.01, 100},
         {"insertion_order",
          &BvhParams::insertion_order,

@@ -9,14 +9,17 @@ ParamValues resolve_bvh(const ParamValues& values) {
   const auto params = bind<BvhParams>(values);
   check_volume(params.volume, params);
   check_tree_params(params);
-  if (params.traversal == "beam" && params.volume != "aabb") throw Error("traversal: beam needs volume=aabb, got " + params.volume);
+  if (params.traversal == "beam") {
+    if (params.volume != "aabb") throw Error("traversal: beam needs volume=aabb, got " + params.volume);
+    if (params.width != 0) throw Error("width: traversal=beam has nodes of its own, of 8 children; expected 0");
+  }
   return resolved(params);
 }
 
 std::unique_ptr<Structure> build_bvh(const Scene& scene, const ParamValues& values, int threads) {
   const auto params = bind<BvhParams>(values);
   BvhTree tree = build_bvh_tree(scene, params, threads);
-  if (params.traversal == "beam") return build_wide_bvh(scene, std::move(tree), params.max_leaf_size);
+  if (params.traversal == "beam") return build_wide_bvh(scene, std::move(tree), params.max_leaf_size, threads);
   return with_volume(params.volume, params, scene,
                      [&]<class V>(const V& volume) -> std::unique_ptr<Structure> { return std::make_unique<BvhStructure<V>>(scene, tree, volume, threads); });
 }

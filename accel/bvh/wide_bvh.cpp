@@ -1,5 +1,8 @@
 #include "accel/bvh/wide_bvh.h"
 
+#include <algorithm>
+
+#include "accel/bvh/collapse.h"
 #include "accel/bvh/wide_kernel.h"
 #include "accel/bvh/wide_tree.h"
 #include "accel/kernel_intersector.h"
@@ -33,7 +36,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Structure> build_wide_bvh(const Scene& scene, BvhTree tree, int max_leaf_size) {
+std::unique_ptr<Structure> build_wide_bvh(const Scene& scene, BvhTree tree, int max_leaf_size, int threads) {
+  if (std::ranges::any_of(tree.nodes, [](const BvhTree::Node& node) { return node.child_count > 2; })) tree = with_width(tree, 2, threads);
   const Aabb box = tree.nodes.empty() ? Aabb{} : tree.nodes[0].box;
   WideTreeSettings settings;
   settings.max_leaf_size = max_leaf_size;

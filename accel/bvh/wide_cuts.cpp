@@ -21,14 +21,13 @@ bool fits_leaf(const Scene& scene, std::span<const PrimRef> refs, std::size_t ma
   return kind == PrimKind::triangle ? fill_block(scene.pools().triangles, refs, block) : refs.size() <= max_leaf_size;
 }
 
-/// Makes a tree binary, its leaves fit to be leaves of a wide one.
-class Binary {
+/// Replaces single children, and splits leaves that fit no leaf of a wide tree.
+class Preparation {
 public:
-  Binary(const Scene& scene, BvhTree& tree, int max_leaf_size) : scene_(scene), tree_(tree), max_leaf_size_(static_cast<std::size_t>(max_leaf_size)) {
+  Preparation(const Scene& scene, BvhTree& tree, int max_leaf_size) : scene_(scene), tree_(tree), max_leaf_size_(static_cast<std::size_t>(max_leaf_size)) {
     for (std::size_t n = 0; n < tree_.nodes.size(); ++n) {  // grows behind n
       while (tree_.nodes[n].child_count == 1) tree_.nodes[n] = tree_.nodes[static_cast<std::size_t>(tree_.nodes[n].first)];
       if (tree_.nodes[n].child_count == 0) split_leaf(n);
-      else if (tree_.nodes[n].child_count > 2) halve_children(n);
     }
   }
 
@@ -50,19 +49,6 @@ private:
       return node;
     };
     add_children(n, part(begin, middle), part(middle, end));
-  }
-  void halve_children(std::size_t n) {
-    const BvhTree::Node node = tree_.nodes[n];
-    const auto part = [&](std::int32_t from, std::int32_t to) {
-      if (to - from == 1) return tree_.nodes[static_cast<std::size_t>(from)];
-      BvhTree::Node half;
-      half.first = from;
-      half.child_count = to - from;
-      for (std::int32_t c = from; c < to; ++c) half.box.grow(tree_.nodes[static_cast<std::size_t>(c)].box);
-      return half;
-    };
-    const std::int32_t middle = node.first + node.child_count / 2;
-    add_children(n, part(node.first, middle), part(middle, node.first + node.child_count));
   }
   void add_children(std::size_t n, const BvhTree::Node& left, const BvhTree::Node& right) {
     tree_.nodes[n].first = static_cast<std::int32_t>(tree_.nodes.size());
@@ -103,7 +89,7 @@ bool fill_block(const TrianglePool& pool, std::span<const PrimRef> refs, Triangl
   return true;
 }
 
-void make_binary(const Scene& scene, BvhTree& tree, int max_leaf_size) { Binary(scene, tree, max_leaf_size); }
+void prepare(const Scene& scene, BvhTree& tree, int max_leaf_size) { Preparation(scene, tree, max_leaf_size); }
 
 WideCuts::WideCuts(const Scene& scene, const BvhTree& tree, const WideTreeSettings& settings) : tree_(tree), cut_(tree.nodes.size()) {
   list_subtrees();

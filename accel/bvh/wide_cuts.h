@@ -11,10 +11,10 @@ namespace raymeter {
 /// Fills a block with triangles of the scene; false where they do not fit.
 [[nodiscard]] bool fill_block(const TrianglePool& pool, std::span<const PrimRef> refs, TriangleBlock& block);
 
-/// Makes a tree binary, and its leaves such that each fits a leaf of a wide tree: of one kind, and no more than a block or `max_leaf_size` holds.
-void make_binary(const Scene& scene, BvhTree& tree, int max_leaf_size);
+/// Replaces single children by what they hold, and splits leaves until each fits a leaf of a wide tree: of one kind, no more than a block or `max_leaf_size`.
+void prepare(const Scene& scene, BvhTree& tree, int max_leaf_size);
 
-/// The cheapest cut of each subtree of a tree that make_binary() made into at most 1 to 8 roots: leaves and nodes of a wide tree. `tree` must outlive it.
+/// The cheapest cut of each subtree of a binary tree that prepare() went through into at most 1 to 8 roots: leaves and nodes of a wide tree. `tree` must outlive it.
 class WideCuts {
 public:
   WideCuts(const Scene& scene, const BvhTree& tree, const WideTreeSettings& settings);

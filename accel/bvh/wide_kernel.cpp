@@ -2,8 +2,8 @@
 // at the boxes of leaves, and a leaf's triangles only where the beam meets them. Packets whose rays have no beam in common, or a wide one, test their rays at
 // inner nodes too.
 //
-// Events: node_visit once per inner node, for all live lanes; volume_test per register of rays and box, and once per register of children that a beam is tested
-// against, which counts for no lane; leaf_visit where a ray meets the leaf's box.
+// Events: node_visit once per inner node, for all live lanes; volume_test per register of rays and box, and per register of children (or beams) where a beam is
+// tested, which counts for no lane but at packet = 1, where the beam is the ray: there a node is eight tests; leaf_visit where a ray meets the leaf's box.
 
 #include "accel/bvh/wide_kernel.h"
 
@@ -78,7 +78,8 @@ struct Entry {
 template <Query Q, class L, int kGroups, class Stats>
 class Walk {
 public:
-  Walk(const WideBvhView& bvh, Entry* stack, BeamGroup<L, kGroups>& group, Stats stats) noexcept : bvh_(bvh), stack_(stack), group_(group), stats_(stats) {}
+  Walk(const WideBvhView& bvh, Entry* stack, BeamGroup<L, kGroups>& group, bool one_ray, Stats stats) noexcept
+      : bvh_(bvh), stack_(stack), group_(group), one_ray_(one_ray), stats_(stats) {}
 
   /// Takes the beams `alive`, which have a slim beam in common unless there is only one, through the hierarchy.
   void run(std::uint32_t alive) noexcept {
@@ -188,13 +189,15 @@ private:
   }
   void count_beam_tests(int tests) noexcept {
     if constexpr (Stats::kCounting) {
-      for (int t = 0; t < tests; t += L::kWidth) stats_.template count<Event::volume_test, L>(L::mask(0));
+      const int step = one_ray_ ? 1 : L::kWidth;
+      for (int t = 0; t < tests; t += step) stats_.template count<Event::volume_test, L>(L::mask(one_ray_ ? 1 : 0));
     }
   }
 
   const WideBvhView& bvh_;
   Entry* stack_;
   BeamGroup<L, kGroups>& group_;
+  bool one_ray_;
   Stats stats_;
   std::uint32_t octant_ = 0;
 };
@@ -209,7 +212,7 @@ void trace(const WideBvhView& bvh, const TraceArgs& args, Stats stats) noexcept 
       const std::int32_t count = at_most(args.rays.count - first, args.packet);
       group.count = 0;
       for (std::int32_t b = 0; b < count; b += kBeamRays) load_packet(args.rays, first + b, at_most(count - b, kBeamRays), group.rays[group.count++]);
-      Walk<Q, L, kGroups, Stats> walk(bvh, stack, group, stats);
+      Walk<Q, L, kGroups, Stats> walk(bvh, stack, group, args.packet == 1, stats);
       if (group.make_beams(bvh.box)) walk.run(group.alive);
       else for (std::uint32_t left = group.alive; left != 0; left &= left - 1) walk.run(left & -left);
       for (std::int32_t b = 0; b < count; b += kBeamRays) store_packet<Q>(args, first + b, at_most(count - b, kBeamRays), group.rays[b / kBeamRays]);

@@ -81,7 +81,7 @@ WideTree collapse_wide(const Scene& scene, BvhTree tree, const WideTreeSettings&
   wide.stats.max_depth = 0;
   wide.stats.sah_cost = 0;
   if (tree.nodes.empty()) return wide;
-  make_binary(scene, tree, settings.max_leaf_size);
+  prepare(scene, tree, settings.max_leaf_size);
   const WideCuts cuts(scene, tree, settings);
 
   std::array<std::int32_t, kPrimKindCount> next_of_kind{};

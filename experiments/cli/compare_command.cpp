@@ -54,7 +54,7 @@ ExitCode compare(const Cli& cli, const Options& options) {
   if (!runs.same_machine) *cli.err << "note: the runs come from different machines: their times are not judged\n";
   if (changed) return ExitCode::changed;
   if (slower) return ExitCode::slower;
-  return options.strict && open ? ExitCode::inconclusive : ExitCode::success;
+  return options.strict && (open || runs.cells.empty()) ? ExitCode::inconclusive : ExitCode::success;
 }
 
 }  // namespace
@@ -66,7 +66,7 @@ void add_compare(Cli& cli) {
   command.add_option("base", options->base, "Results folder")->required();
   command.add_option("new", options->with, "Results folder")->required();
   command.add_option("--margin", options->margin, "Differences within this share are none")->check(CLI::Range(0.0, 10.0))->capture_default_str();
-  command.add_flag("--strict", options->strict, "Exit code 5 where a cell's interval is too wide to tell");
+  command.add_flag("--strict", options->strict, "Exit code 5 where a cell's interval is too wide to tell, or nothing can be compared");
   command.callback([&cli, options] { cli.action = [&cli, options] { return compare(cli, *options); }; });
 }
 

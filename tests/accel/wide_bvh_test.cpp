@@ -5,6 +5,7 @@
 #include <set>
 
 #include "accel/bvh/box_builders.h"
+#include "accel/bvh/collapse.h"
 #include "accel/bvh/wide_tree.h"
 #include "accel/registry.h"
 #include "core/trace/trace.h"
@@ -165,7 +166,7 @@ TEST(WideTree, TakesTreesOfAnyArity) {
   tree.nodes[0].box = tree.nodes[1].box;
   tree.nodes[0].first = 1;
   tree.nodes[0].child_count = 1;
-  EXPECT_EQ(collapse_wide(scene, tree, {}).stats.references, prims);
+  EXPECT_EQ(collapse_wide(scene, with_width(tree, 2, 1), {}).stats.references, prims);
 }
 
 TEST(WideTree, OrdersPlacesForEveryOctant) {

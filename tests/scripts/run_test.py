@@ -146,6 +146,10 @@ class RunTest(RunInFolder):
         scaled(1.0495)
         self.assertEqual(self.raymeter("compare", "a", "b").returncode, 0)
         self.assertEqual(self.raymeter("compare", "--strict", "a", "b").returncode, 5)
+        self.write(config(matrix={**config()["matrix"], "packet": [3]}), "other.json")
+        self.raymeter("run", "other.json", "--out", "other")
+        self.assertEqual(self.raymeter("compare", "a", "other").returncode, 0)
+        self.assertEqual(self.raymeter("compare", "--strict", "a", "other").returncode, 5)
 
     def test_progress_is_one_json_object_a_line(self) -> None:
         result = self.raymeter("run", self.write(config()), "--out", "r", "--progress", "json")
