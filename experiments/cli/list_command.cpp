@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <ostream>
@@ -58,7 +59,8 @@ std::string description(const StructureEntry& entry) {
   std::string text = fmt::format("{}: {}\n{}\n", entry.name, entry.summary, entry.source);
   const std::vector<ParamInfo> infos = entry.params();
   if (infos.empty()) return text + "\nNo parameters.\n";
-  text += "\nParameters, with (default) and range; one marked 'query' needs no new build:\n";
+  const bool has_query = std::ranges::any_of(infos, [](const ParamInfo& info) { return info.use == ParamUse::query; });
+  text += fmt::format("\nParameters, with (default) and range{}:\n", has_query ? "; one marked 'query' needs no new build" : "");
   for (const ParamInfo& info : infos) {
     text += fmt::format("  {:<22} ({}) {}{}\n  {:<22} {}\n", info.key, to_string(info.default_value), value_range(info),
                         info.use == ParamUse::query ? "; query" : "", "", info.help);
