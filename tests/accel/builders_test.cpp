@@ -10,6 +10,7 @@
 #include "accel/bvh/bvh.h"
 #include "core/bounds/aabb_volume.h"
 #include "core/trace/trace.h"
+#include "tests/support/answer.h"
 #include "tests/support/grid_rays.h"
 #include "tests/support/random.h"
 

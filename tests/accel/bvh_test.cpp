@@ -7,9 +7,13 @@
 #include "accel/bvh/box_builders.h"
 #include "accel/registry.h"
 #include "core/trace/trace.h"
+#include "tests/support/answer.h"
 
 namespace raymeter {
 namespace {
+
+using test::Answer;
+using test::answer;
 
 /// Uniform in [0, 1), the same on every library.
 double uniform(std::mt19937& random) { return static_cast<double>(random()) * 0x1p-32; }
@@ -45,22 +49,6 @@ RayBatch random_rays(int count) {
     rays.push_back({{float(from.x), float(from.y), float(from.z)}, 0, {d.x, d.y, d.z}, std::numeric_limits<float>::infinity()});
   }
   return rays;
-}
-
-struct Answer {
-  HitBatch hits;
-  Column<std::int32_t> blocker;
-  Counters closest;
-};
-
-Answer answer(const Scene& scene, const RayBatch& rays, std::string_view technique, Isa isa, int packet) {
-  const TechniqueSpec spec = parse_technique(technique);
-  const auto structure = spec.structure->build(scene, spec.params, 2);
-  const auto intersector = structure->intersector({isa, packet, spec.params});
-  Answer out;
-  trace_closest(*intersector, rays, out.hits, 2, &out.closest);
-  trace_any(*intersector, rays, out.blocker, 2);
-  return out;
 }
 
 TEST(Bvh, EqualsListBitForBit) {

@@ -5,6 +5,7 @@
 #include "accel/bvh/bvh_structure.h"
 #include "accel/volumes.h"
 #include "core/trace/trace.h"
+#include "tests/support/answer.h"
 #include "tests/support/grid_rays.h"
 
 namespace raymeter {

@@ -3,6 +3,7 @@
 #include <bit>
 #include <string>
 
+#include "tests/support/answer.h"
 #include "tests/support/grid_rays.h"
 
 namespace raymeter {

@@ -4,6 +4,7 @@
 
 #include "accel/grid/grid_build.h"
 #include "core/geometry/error_bounds.h"
+#include "tests/support/answer.h"
 #include "tests/support/grid_rays.h"
 
 namespace raymeter {

@@ -9,11 +9,15 @@
 #include "accel/bvh/wide_tree.h"
 #include "accel/registry.h"
 #include "core/trace/trace.h"
+#include "tests/support/answer.h"
 #include "tests/support/test_rays.h"
 #include "tests/support/test_scenes.h"
 
 namespace raymeter {
 namespace {
+
+using test::Answer;
+using test::answer;
 
 /// Vertex (i, j) of a hilly square of n x n quads.
 glm::dvec3 vertex(int i, int j, int n, double size, const glm::dvec3& corner) { return corner + size / n * glm::dvec3(i, (i * 7 + j * 3) % 5, j); }
@@ -51,22 +55,6 @@ RayBatch beams(int n, double size, const glm::dvec3& corner) {
     }
   }
   return rays;
-}
-
-struct Answer {
-  HitBatch hits;
-  Column<std::int32_t> blocker;
-  Counters closest;
-};
-
-Answer answer(const Scene& scene, const RayBatch& rays, std::string_view technique, Isa isa, int packet) {
-  const TechniqueSpec spec = parse_technique(technique);
-  const auto structure = spec.structure->build(scene, spec.params, 2);
-  const auto intersector = structure->intersector({isa, packet, spec.params});
-  Answer out;
-  trace_closest(*intersector, rays, out.hits, 2, &out.closest);
-  trace_any(*intersector, rays, out.blocker, 2);
-  return out;
 }
 
 TEST(BeamTraversal, LosesNoHitAtVerticesNearFarSmallAndLarge) {
