@@ -27,7 +27,7 @@ struct ShadingPoint {
   glm::dvec3 normal;  ///< unit; what light and mirror directions are measured against
   const Material* material;
   std::int32_t slot;  ///< of the pixel
-  float weight;       ///< share of the hit's radiance in the pixel's
+  glm::vec3 weight;   ///< share of the hit's radiance in the pixel's
 };
 
 /// The mirrored direction; as long as the incoming one.

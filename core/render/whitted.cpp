@@ -1,67 +1,31 @@
 #include "core/render/whitted.h"
 
 #include <algorithm>
+#include <chrono>
+#include <optional>
 #include <vector>
 
 #include <glm/geometric.hpp>
 
 #include "core/ray/generators.h"
 #include "core/ray/pixel_order.h"
-#include "core/render/shading.h"
+#include "core/render/wavefront.h"
 #include "core/trace/trace.h"
 
 namespace raymeter {
 
 namespace {
 
-/// Rays that are traced and shaded together, at most: enough slices for many threads, and what memory is proportional to.
-constexpr std::size_t kBatchRays = 64 * kSliceRays;
+using Clock = std::chrono::steady_clock;
 
-enum class Origin : std::uint8_t { eye, reflection, refraction };
+double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
 
-struct Generation {
-  RayBatch rays;
-  Column<std::int32_t> slot;  ///< of the pixel in its band
-  Column<float> weight;
-  Column<Origin> origin;
+/// Pixels that are traced together, at most: enough slices for many threads, and what memory is proportional to.
+constexpr std::size_t kBandPixels = 64 * kSliceRays;
 
-  void push_back(const Ray& ray, std::int32_t pixel_slot, double ray_weight, Origin ray_origin) {
-    rays.push_back(ray);
-    slot.push_back(pixel_slot);
-    weight.push_back(static_cast<float>(ray_weight));
-    origin.push_back(ray_origin);
-  }
-  void append(const Generation& other) {
-    rays.append(other.rays);
-    slot.append(other.slot);
-    weight.append(other.weight);
-    origin.append(other.origin);
-  }
-};
-
-/// Shadow rays towards one light, and what they bring to their pixels unless they are blocked.
-struct ShadowRays {
-  RayBatch rays;
-  Column<std::int32_t> slot;
-  Column<glm::vec3> radiance;
-
-  void append(const ShadowRays& other) {
-    rays.append(other.rays);
-    slot.append(other.slot);
-    radiance.append(other.radiance);
-  }
-};
-
-/// What emit(batch, i) adds for each i below `count`, in the order of i whatever the threads.
-template <class Batch, class Emit>
-Batch gathered(std::size_t count, int threads, Emit emit) {
-  std::vector<Batch> part(slice_count(count));
-  for_each_slice(count, threads, [&](std::size_t slice, std::size_t first, std::size_t size) {
-    for (std::size_t i = first; i < first + size; ++i) emit(part[slice], i);
-  });
-  Batch all;
-  for (const Batch& batch : part) all.append(batch);
-  return all;
+FramePhase phase_of(Origin origin) noexcept {
+  constexpr std::array phases{FramePhase::first_hit, FramePhase::reflection, FramePhase::refraction};
+  return phases[static_cast<std::size_t>(origin)];
 }
 
 class Whitted {
@@ -70,15 +34,16 @@ public:
       : scene_(scene), first_hit_(first_hit), intersector_(intersector), options_(options), rules_(surface_rules(options.model.convention)) {}
 
   Rendering render() {
+    const auto start = Clock::now();
     const CameraModel& model = options_.model;
     out_.image = {model.width, model.height, Column<glm::vec3>(static_cast<std::size_t>(model.pixel_count()), glm::vec3(0))};
-    if (!options_.termination.traces_eye_rays()) return std::move(out_);
     const PixelOrder order(model.width, model.height);
-    for (std::int32_t block = 0; block < order.block_count();) {
+    for (std::int32_t block = 0; block < order.block_count() && options_.termination.traces_eye_rays();) {
       pixels_.clear();
-      while (block < order.block_count() && pixels_.size() + PixelOrder::kBlock * PixelOrder::kBlock <= kBatchRays) order.append_block(block++, pixels_);
+      while (block < order.block_count() && pixels_.size() + PixelOrder::kBlock * PixelOrder::kBlock <= kBandPixels) order.append_block(block++, pixels_);
       render_band();
     }
+    out_.totals[FramePhase::shading].ms = ms_since(start) - out_.totals.sum().ms;
     return std::move(out_);
   }
 
@@ -86,140 +51,165 @@ private:
   void render_band() {
     const std::size_t size = pixels_.size();
     sum_.assign(size, glm::dvec3(0));
+    deepest_.assign(size, 0);
     Generation eye;
     eye.rays = eye_rays(options_.model, pixels_, options_.threads);
     eye.slot.resize(size);
     for (std::size_t i = 0; i < size; ++i) eye.slot[i] = static_cast<std::int32_t>(i);
-    eye.weight.resize(size, 1);
-    eye.origin.resize(size, Origin::eye);
-    follow(std::move(eye), 1);
-    for (std::size_t i = 0; i < size; ++i) out_.image.pixel[static_cast<std::size_t>(pixels_[i])] = glm::vec3(sum_[i]);
+    eye.weight.resize(size, glm::vec3(1));
+    follow(std::move(eye));
+    for (std::size_t i = 0; i < size; ++i) {
+      out_.image.pixel[static_cast<std::size_t>(pixels_[i])] = glm::vec3(sum_[i]);
+      out_.depth.deepest_sum += deepest_[i];
+    }
   }
 
-  /// Traces and shades the rays of a generation and all that come of them: deeper ones first, so that at most a batch and its children wait at each depth.
-  void follow(Generation&& generation, int depth) {
-    if (generation.rays.size() == 0) return;
-    Generation next = trace_and_shade(std::move(generation), depth);
-    if (next.rays.size() <= kBatchRays) return follow(std::move(next), depth + 1);
-    for (std::size_t first = 0; first < next.rays.size(); first += kBatchRays) {
-      Generation batch;
-      for (std::size_t i = first; i < std::min(first + kBatchRays, next.rays.size()); ++i) {
-        batch.push_back(next.rays[i], next.slot[i], double{next.weight[i]}, next.origin[i]);
+  /// Traces and shades rays and all that come of them.
+  void follow(Generation&& rays) {
+    if (rays.size() == 0) return;
+    Generation reflections, refractions;
+    {
+      const ShadingPoints points = shading_points(rays, traced(rays));
+      for (const Light& light : scene_.lights) add_light(points, light);
+      if (rays.depth < options_.termination.max_depth) {
+        reflections = reflected(points, rays.depth + 1);
+        refractions = refracted(points, rays.depth + 1);
       }
-      follow(std::move(batch), depth + 1);
+      rays = {};
     }
+    follow(std::move(reflections));
+    follow(std::move(refractions));
   }
 
-  Generation trace_and_shade(Generation rays, int depth) {
+  /// Calls trace(counters or null), which traces so many rays, by the clock of a phase.
+  template <class Trace>
+  void in_phase(FramePhase phase, std::size_t rays, Trace&& trace) {
+    PhaseTotals& totals = out_.totals[phase];
+    const auto start = Clock::now();
+    trace(options_.count ? &totals.counters : nullptr);
+    totals.ms += ms_since(start);
+    totals.rays += static_cast<std::int64_t>(rays);
+  }
+
+  HitBatch traced(const Generation& rays) {
     HitBatch hits;
-    if (depth == 1) {
-      first_hit_.find(options_.model, pixels_, rays.rays, hits, options_.threads, options_.counters);
-    } else {
+    in_phase(phase_of(rays.origin), rays.size(), [&](Counters* counters) {
+      if (rays.origin == Origin::eye) return first_hit_.find(options_.model, pixels_, rays.rays, hits, options_.threads, counters);
       intersector_.prepare(rays.rays.view());
-      trace_closest(intersector_, rays.rays, hits, options_.threads, options_.counters);
-    }
-    const std::vector<ShadingPoint> points = shading_points(rays, hits);
-    for (const Light& light : scene_.lights) add_light(points, light);
-    return depth < options_.termination.max_depth ? spawned(points, depth + 1) : Generation{};
+      trace_closest(intersector_, rays.rays, hits, options_.threads, counters);
+    });
+    count(rays, hits);
+    return hits;
   }
 
-  /// Counts the rays, adds the background where they meet nothing, and looks at the surface where they do.
-  std::vector<ShadingPoint> shading_points(const Generation& rays, const HitBatch& hits) {
-    std::vector<std::size_t> met;
-    for (std::size_t i = 0; i < hits.size(); ++i) {
-      const bool hit = hits.prim[i] >= 0;
-      count(rays.origin[i], hit);
-      if (hit)
-        met.push_back(i);
-      else
-        sum_[static_cast<std::size_t>(rays.slot[i])] += double{rays.weight[i]} * scene_.background;
+  void count(const Generation& rays, const HitBatch& hits) {
+    const auto all = static_cast<std::int64_t>(rays.size());
+    const std::int64_t met = all - std::count(hits.prim.begin(), hits.prim.end(), -1);
+    RayCounts& counts = out_.rays;
+    switch (rays.origin) {
+      case Origin::eye:
+        counts.primary += all;
+        counts.primary_hit += met;
+        break;
+      case Origin::reflection:
+        counts.reflection += all;
+        counts.reflection_hit += met;
+        break;
+      case Origin::refraction:
+        counts.refraction += all;
+        counts.refraction_hit += met;
+        break;
     }
-    std::vector<ShadingPoint> points(met.size());
-    for_each_slice(met.size(), options_.threads, [&](std::size_t, std::size_t first, std::size_t size) {
-      for (std::size_t k = first; k < first + size; ++k) {
-        const std::size_t i = met[k];
-        const Ray ray = rays.rays[i];
-        ShadingPoint& point = points[k];
-        point.surface = surface_at(scene_, ray, hits.t[i], hits.prim[i]);
-        point.dir = {ray.dir[0], ray.dir[1], ray.dir[2]};
-        point.normal = point.surface.shading;
-        if (rules_.two_sided && glm::dot(point.normal, point.dir) > 0) point.normal = -point.normal;
-        point.material = &scene_.material(hits.prim[i]);
-        point.slot = rays.slot[i];
-        point.weight = rays.weight[i];
+    const auto depth = static_cast<std::size_t>(rays.depth);
+    if (out_.depth.generation.size() < depth) out_.depth.generation.resize(depth);
+    out_.depth.generation[depth - 1] += all;
+  }
+
+  /// Adds the background where rays meet nothing, and looks at the surface where they do.
+  ShadingPoints shading_points(const Generation& rays, const HitBatch& hits) {
+    ShadingPoints points(slice_count(rays.size()));
+    for_each_slice(rays.size(), options_.threads, [&](std::size_t slice, std::size_t first, std::size_t size) {
+      points[slice].reserve(size);
+      for (std::size_t i = first; i < first + size; ++i) {
+        const auto slot = static_cast<std::size_t>(rays.slot[i]);
+        deepest_[slot] = std::max(deepest_[slot], rays.depth);
+        if (hits.prim[i] >= 0)
+          points[slice].push_back(shading_point(rays, i, hits.t[i], hits.prim[i]));
+        else
+          sum_[slot] += glm::dvec3(rays.weight[i]) * scene_.background;
       }
     });
     return points;
   }
 
-  void count(Origin origin, bool hit) noexcept {
-    RayCounts& counts = out_.rays;
-    switch (origin) {
-      case Origin::eye:
-        ++counts.primary;
-        counts.primary_hit += hit ? 1 : 0;
-        break;
-      case Origin::reflection:
-        ++counts.reflection;
-        counts.reflection_hit += hit ? 1 : 0;
-        break;
-      case Origin::refraction:
-        ++counts.refraction;
-        counts.refraction_hit += hit ? 1 : 0;
-        break;
-    }
+  [[nodiscard]] ShadingPoint shading_point(const Generation& rays, std::size_t i, float t, std::int32_t prim) const {
+    const Ray ray = rays.rays[i];
+    ShadingPoint point;
+    point.surface = surface_at(scene_, ray, t, prim);
+    point.dir = {ray.dir[0], ray.dir[1], ray.dir[2]};
+    point.normal = point.surface.shading;
+    if (rules_.two_sided && glm::dot(point.normal, point.dir) > 0) point.normal = -point.normal;
+    point.material = &scene_.material(prim);
+    point.slot = rays.slot[i];
+    point.weight = rays.weight[i];
+    return point;
   }
 
-  void add_light(const std::vector<ShadingPoint>& points, const Light& light) {
-    const ShadowRays shadow = gathered<ShadowRays>(points.size(), options_.threads, [&](ShadowRays& out, std::size_t i) {
-      const ShadingPoint& point = points[i];
+  void add_light(const ShadingPoints& points, const Light& light) {
+    const auto parts = emitted<ShadowRays>(points, options_.threads, [&](ShadowRays& out, const ShadingPoint& point) {
       if (!faces(point, light)) return;
       out.rays.push_back(spawn_ray_to(point.surface, light.position, rules_.distance_min));
       out.slot.push_back(point.slot);
-      out.radiance.push_back(glm::vec3(double{point.weight} * phong(point, light)));
+      out.radiance.push_back(glm::vec3(glm::dvec3(point.weight) * phong(point, light)));
     });
+    const ShadowRays shadow = joined(points, parts, options_.threads);
     Column<std::int32_t> blocker;
-    intersector_.prepare(shadow.rays.view());
-    trace_any(intersector_, shadow.rays, blocker, options_.threads, options_.counters);
-    out_.rays.shadow += static_cast<std::int64_t>(blocker.size());
-    for (std::size_t i = 0; i < blocker.size(); ++i) {
-      if (blocker[i] >= 0)
-        ++out_.rays.shadow_blocked;
-      else
-        sum_[static_cast<std::size_t>(shadow.slot[i])] += glm::dvec3(shadow.radiance[i]);
-    }
+    in_phase(FramePhase::shadow, shadow.size(), [&](Counters* counters) {
+      intersector_.prepare(shadow.rays.view());
+      trace_any(intersector_, shadow.rays, blocker, options_.threads, counters);
+    });
+    const auto all = static_cast<std::int64_t>(shadow.size());
+    out_.rays.shadow += all;
+    out_.rays.shadow_blocked += all - std::count(blocker.begin(), blocker.end(), -1);
+    for_each_slice(shadow.size(), options_.threads, [&](std::size_t, std::size_t first, std::size_t size) {
+      for (std::size_t i = first; i < first + size; ++i) {
+        if (blocker[i] < 0) sum_[static_cast<std::size_t>(shadow.slot[i])] += glm::dvec3(shadow.radiance[i]);
+      }
+    });
   }
 
-  /// Reflection rays first, refraction rays after them: neighbours in a packet then have much in common.
-  Generation spawned(const std::vector<ShadingPoint>& points, int depth) {
-    struct Secondary {
-      Generation generation;
-      std::int64_t tir = 0;
-      void append(const Secondary& other) {
-        generation.append(other.generation);
-        tir += other.tir;
-      }
-    };
-    const auto spawn = [&](Secondary& out, const ShadingPoint& point, const glm::dvec3& dir, double share, Origin origin) {
-      const double weight = double{point.weight} * share;
-      if (!options_.termination.follows(depth, weight)) return;
-      out.generation.push_back(spawn_ray(point.surface, dir, rules_.distance_min), point.slot, weight, origin);
-    };
-    Secondary all = gathered<Secondary>(points.size(), options_.threads, [&](Secondary& out, std::size_t i) {
-      const ShadingPoint& point = points[i];
+  void spawn(Generation& out, const ShadingPoint& point, const glm::dvec3& dir, double share, int depth) const {
+    const glm::vec3 weight(glm::dvec3(point.weight) * share);
+    if (!options_.termination.follows(depth, std::max({weight.x, weight.y, weight.z}))) return;
+    out.push_back(spawn_ray(point.surface, dir, rules_.distance_min), point.slot, weight);
+  }
+
+  /// On total internal reflection the mirrored ray carries the transmitted one's share too.
+  Generation reflected(const ShadingPoints& points, int depth) {
+    const auto parts = emitted<Generation>(points, options_.threads, [&](Generation& out, const ShadingPoint& point) {
       const Material& material = *point.material;
       if (!material.reflects() && !material.transmits()) return;
       const bool total = material.transmits() && !transmitted(point);
       out.tir += total ? 1 : 0;
-      spawn(out, point, mirrored(point), material.specular + (total ? material.transmittance : 0), Origin::reflection);
+      spawn(out, point, mirrored(point), material.specular + (total ? material.transmittance : 0), depth);
     });
-    all.append(gathered<Secondary>(points.size(), options_.threads, [&](Secondary& out, std::size_t i) {
-      const ShadingPoint& point = points[i];
+    for (const Generation& part : parts) out_.rays.tir += part.tir;
+    return spawned(points, parts, Origin::reflection, depth);
+  }
+
+  Generation refracted(const ShadingPoints& points, int depth) {
+    const auto parts = emitted<Generation>(points, options_.threads, [&](Generation& out, const ShadingPoint& point) {
       if (!point.material->transmits()) return;
-      if (const auto dir = transmitted(point)) spawn(out, point, *dir, point.material->transmittance, Origin::refraction);
-    }));
-    out_.rays.tir += all.tir;
-    return std::move(all.generation);
+      if (const auto dir = transmitted(point)) spawn(out, point, *dir, point.material->transmittance, depth);
+    });
+    return spawned(points, parts, Origin::refraction, depth);
+  }
+
+  [[nodiscard]] Generation spawned(const ShadingPoints& points, const std::vector<Generation>& parts, Origin origin, int depth) const {
+    Generation all = joined(points, parts, options_.threads);
+    all.origin = origin;
+    all.depth = depth;
+    return all;
   }
 
   const Scene& scene_;
@@ -229,6 +219,7 @@ private:
   SurfaceRules rules_;
   Column<std::int32_t> pixels_;  ///< of the band
   std::vector<glm::dvec3> sum_;  ///< their radiance so far
+  std::vector<int> deepest_;     ///< the depth of their rays so far
   Rendering out_;
 };
 

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "core/render/first_hit.h"
+#include "core/render/frame_phases.h"
 #include "core/render/image.h"
 #include "core/render/termination.h"
 #include "core/scene/scene.h"
-#include "core/stats/counters.h"
 #include "core/trace/intersector.h"
 
 namespace raymeter {
@@ -25,16 +26,28 @@ struct RayCounts {
   friend bool operator==(const RayCounts&, const RayCounts&) = default;
 };
 
+/// How deep the rays of an image go.
+struct DepthCounts {
+  std::vector<std::int64_t> generation;  ///< eye, reflection and refraction rays of depth 1, 2, ...
+  std::int64_t deepest_sum = 0;          ///< over all eye rays, the depth of the deepest ray that comes of it
+
+  /// Mean of the deepest generations; 0 where there are no eye rays.
+  [[nodiscard]] double mean() const noexcept { return generation.empty() ? 0 : static_cast<double>(deepest_sum) / static_cast<double>(generation.front()); }
+  friend bool operator==(const DepthCounts&, const DepthCounts&) = default;
+};
+
 struct RenderOptions {
   CameraModel model;
   Termination termination;
-  int threads = 0;               ///< 0: all
-  Counters* counters = nullptr;  ///< added to, where given: the counting kernels trace
+  int threads = 0;     ///< 0: all
+  bool count = false;  ///< the counting kernels trace
 };
 
 struct Rendering {
   Image image;
   RayCounts rays;
+  DepthCounts depth;
+  FrameTotals totals;
 };
 
 /// Renders a scene after Whitted 1980 (CACM 23(6)), under the conditions of the Standard Procedural Databases:
@@ -44,8 +57,9 @@ struct Rendering {
 ///  - an eye ray has depth 1, and rays are followed as `termination` says. What meets nothing sees the background.
 /// Surfaces follow surface_rules() of the camera's convention. An opaque material's index of refraction is not looked at (NFF files carry 0 there).
 ///
-/// Bands of pixels are traced one generation after the other over batches of bounded size: beside the image itself, memory depends on neither its size nor, but
-/// for max_depth batches, on the tree of rays. The image and the counts are the same on any number of threads.
+/// Bands of pixels are traced one after the other. A batch of rays has one origin and at most one ray a pixel; its reflection rays are followed to their end,
+/// then its refraction rays. So no batch is larger than a band, and two wait at each depth: beside the image itself, memory depends on neither its size nor
+/// the tree of rays. The image and the counts are the same on any number of threads.
 [[nodiscard]] Rendering render(const Scene& scene, FirstHit& first_hit, Intersector& intersector, const RenderOptions& options);
 
 }  // namespace raymeter

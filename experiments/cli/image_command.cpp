@@ -99,8 +99,10 @@ ExitCode make_image(const ImageOptions& options, std::ostream& messages) {
   Picture picture;
   if (options.heatmap.empty() || stats_file) {
     CastFirstHit cast(*intersector);
-    const Rendering rendering = render(scene, cast, *intersector, {stats.model, stats.termination, stats.threads, stats_file ? &stats.counters : nullptr});
+    const Rendering rendering = render(scene, cast, *intersector, {stats.model, stats.termination, stats.threads, stats_file.has_value()});
     stats.rays = rendering.rays;
+    stats.depth = rendering.depth;
+    stats.totals = rendering.totals;
     picture = to_picture(rendering.image);
   }
   if (!options.heatmap.empty()) picture = heat_map(options.heatmap, *intersector, stats);
@@ -133,7 +135,7 @@ void add_image(Cli& cli) {
       ->capture_default_str();
   command.add_option("--camera", options->camera, "Where samples lie, and rules of surfaces: spd, havran (tables of the literature) or pixel (centres)")
       ->capture_default_str();
-  command.add_option("--stats", options->stats, "Write ray counts and counters to this JSON file");
+  command.add_option("--stats", options->stats, "Write ray counts, counters and times to this JSON file");
   command.add_option("--heatmap", options->heatmap, "Instead of the image, what each eye ray cost: nodes or tests")->check(CLI::IsMember({"nodes", "tests"}));
   command.add_option("--isa", options->isa, "Instruction set; default: the machine's best");
   command.add_option("--packet", options->packet, "Rays per packet")->check(CLI::Range(1, kMaxPacket))->capture_default_str();

@@ -5,8 +5,26 @@
 
 namespace raymeter {
 
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Time and counts of each phase; the time is that of the counting kernels.
+Json phases_json(const FrameTotals& totals) {
+  Json json = Json::object();
+  for (const FramePhase phase : kFramePhases) {
+    const PhaseTotals& one = totals[phase];
+    json[std::string(name(phase))] = {{"ms", one.ms}, {"rays", one.rays}};
+    if (one.rays > 0) json[std::string(name(phase))]["counters"] = to_json(one.counters);
+  }
+  return json;
+}
+
+}  // namespace
+
 std::string image_stats_json(const ImageStats& stats) {
-  nlohmann::ordered_json json{
+  const PhaseTotals all = stats.totals.sum();
+  Json json{
       {"scene", stats.scene},
       {"num_prims", stats.num_prims},
       {"structure", stats.technique.structure->name},
@@ -28,7 +46,11 @@ std::string image_stats_json(const ImageStats& stats) {
       {"tir", stats.rays.tir},
       {"shadow", stats.rays.shadow},
       {"shadow_blocked", stats.rays.shadow_blocked},
-      {"counters", to_json(stats.counters)},
+      {"generations", stats.depth.generation},
+      {"mean_depth", stats.depth.mean()},
+      {"ms", all.ms},
+      {"phases", phases_json(stats.totals)},
+      {"counters", to_json(all.counters)},
   };
   if (stats.heatmap) json["heatmap"] = {{"event", stats.heatmap->event}, {"most", stats.heatmap->most}, {"mean", stats.heatmap->mean}};
   return json.dump(2) + "\n";

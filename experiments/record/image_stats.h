@@ -26,7 +26,8 @@ struct ImageStats {
   int packet = 1;
   int threads = 1;
   RayCounts rays;
-  Counters counters;
+  DepthCounts depth;
+  FrameTotals totals;
   std::optional<HeatScale> heatmap;
 };
 

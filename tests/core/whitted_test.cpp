@@ -22,6 +22,7 @@ struct Setup {
   Termination termination = {};
   int threads = 1;
   CameraConvention convention = CameraConvention::pixel;
+  bool count = false;
 };
 
 Rendering rendered(const Scene& scene, const Setup& setup) {
@@ -29,7 +30,7 @@ Rendering rendered(const Scene& scene, const Setup& setup) {
   const auto structure = spec.structure->build(scene, spec.params, 1);
   const auto intersector = structure->intersector({setup.isa, setup.packet, spec.params});
   CastFirstHit cast(*intersector);
-  return render(scene, cast, *intersector, {{scene.camera, setup.convention, setup.size, setup.size}, setup.termination, setup.threads, nullptr});
+  return render(scene, cast, *intersector, {{scene.camera, setup.convention, setup.size, setup.size}, setup.termination, setup.threads, setup.count});
 }
 
 bool same_pixels(const Image& a, const Image& b) {
@@ -141,13 +142,57 @@ TEST(Whitted, FacingMirrorsSumAGeometricSeries) {
 
 TEST(Whitted, TheImageDoesNotDependOnThreads) {
   const Scene scene = still_life();
-  // Above 64 blocks a side there are several bands; mirrors over 300 x 300 pixels make generations of more than one batch.
-  const Rendering one = rendered(scene, {.size = 300});
+  // 300 x 300 pixels are two bands, of many slices each.
+  const Rendering one = rendered(scene, {.size = 300, .count = true});
   for (const int threads : {2, 7}) {
-    const Rendering many = rendered(scene, {.size = 300, .threads = threads});
+    const Rendering many = rendered(scene, {.size = 300, .threads = threads, .count = true});
     EXPECT_TRUE(same_pixels(one.image, many.image)) << threads;
     EXPECT_EQ(one.rays, many.rays) << threads;
+    EXPECT_EQ(one.depth, many.depth) << threads;
+    for (const FramePhase phase : kFramePhases) EXPECT_EQ(one.totals[phase].counters, many.totals[phase].counters) << threads << ' ' << name(phase);
   }
+}
+
+TEST(Whitted, PhasesShareOutRaysTestsAndTime) {
+  const Scene scene = still_life();
+  const Rendering out = rendered(scene, {.structure = "list", .count = true});
+  const auto prims = static_cast<std::uint64_t>(scene.prim_count());
+  for (const auto& [phase, rays] : {std::pair{FramePhase::first_hit, out.rays.primary}, std::pair{FramePhase::shadow, out.rays.shadow},
+                                    std::pair{FramePhase::reflection, out.rays.reflection}, std::pair{FramePhase::refraction, out.rays.refraction}}) {
+    const PhaseTotals& totals = out.totals[phase];
+    EXPECT_GT(rays, 0) << name(phase);
+    EXPECT_EQ(totals.rays, rays) << name(phase);
+    EXPECT_EQ(totals.counters.ray_count, static_cast<std::uint64_t>(rays)) << name(phase);
+    if (phase != FramePhase::shadow) {
+      EXPECT_EQ(totals.counters.live(Event::prim_test), prims * static_cast<std::uint64_t>(rays)) << name(phase);
+    }
+    EXPECT_GT(totals.ms, 0) << name(phase);
+  }
+  EXPECT_EQ(out.totals[FramePhase::shading].rays, 0);
+  EXPECT_EQ(out.totals[FramePhase::shading].counters, Counters{});
+  EXPECT_GT(out.totals[FramePhase::shading].ms, 0);
+  EXPECT_EQ(rendered(scene, {}).totals.sum().counters, Counters{}) << "the timed kernels count nothing";
+}
+
+TEST(Whitted, DepthsCountGenerationsAndTheDeepestOfEachEyeRay) {
+  // Two facing mirrors fill the left half of the view; the right half meets nothing.
+  Scene scene;
+  scene.set_material({{1, 1, 1}, 0.5, 0.5, 4, 0, 1});
+  scene.add_polygon(std::array<glm::dvec3, 4>{{{-9, -9, 4}, {0, -9, 4}, {0, 9, 4}, {-9, 9, 4}}});
+  scene.add_polygon(std::array<glm::dvec3, 4>{{{-99, -99, -4}, {99, -99, -4}, {99, 99, -4}, {-99, 99, -4}}});
+  scene.camera = {{0, 0, 0}, {0, 0, 4}, {0, 1, 0}, 45, 0, 8, 8};
+  const Rendering out = rendered(scene, {.size = 8, .termination = {.max_depth = 4}});
+  const std::int64_t hits = out.rays.primary_hit;
+  EXPECT_EQ(hits, 32);
+  ASSERT_EQ(out.depth.generation.size(), 4u);
+  EXPECT_EQ(out.depth.generation[0], 64);
+  EXPECT_EQ(out.depth.generation[1], hits);
+  std::int64_t sum = 0;
+  for (const std::int64_t rays : out.depth.generation) sum += rays;  // each ray of a chain makes its eye ray one deeper
+  EXPECT_EQ(out.depth.deepest_sum, sum);
+  EXPECT_EQ(sum, out.rays.primary + out.rays.reflection);
+  EXPECT_EQ(out.depth.mean(), static_cast<double>(sum) / 64);
+  EXPECT_EQ(rendered(scene, {.size = 8, .termination = {.max_depth = 0}}).depth, DepthCounts{});
 }
 
 TEST(Whitted, TheImageDoesNotDependOnStructureOrPacketSize) {

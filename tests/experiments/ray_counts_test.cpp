@@ -30,7 +30,7 @@ RayCounts ray_counts(const char* scene_spec, CameraConvention convention, std::s
   const auto structure = spec.structure->build(scene, spec.params, 0);
   const auto intersector = structure->intersector({isa, 16, spec.params});
   CastFirstHit cast(*intersector);
-  return render(scene, cast, *intersector, {{scene.camera, convention, 513, 513}, {}, 0, nullptr}).rays;
+  return render(scene, cast, *intersector, {{scene.camera, convention, 513, 513}, {}, 0, false}).rays;
 }
 
 void expect_counts(const Case& expected, std::string_view technique, Isa isa) {
