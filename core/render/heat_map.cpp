@@ -11,7 +11,7 @@ Column<std::uint64_t> events_per_pixel(const CameraModel& model, Intersector& in
   Column<std::int32_t> pixels(static_cast<std::size_t>(model.pixel_count()));
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::int32_t>(i);
   const RayBatch rays = eye_rays(model, pixels, threads);
-  intersector.prepare(rays.view());
+  intersector.prepare(rays.view(), Query::closest);
   HitBatch hits;
   hits.resize(rays.size());
   Column<std::uint64_t> events(rays.size());

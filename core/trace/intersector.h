@@ -13,8 +13,8 @@ namespace raymeter {
 class Intersector {
 public:
   virtual ~Intersector() = default;
-  /// Sees the whole batch before it is sliced; its time is a phase of its own.
-  virtual void prepare(const RayView&) {}
+  /// Sees the whole batch, and what will be asked of it, before it is sliced; its time is a phase of its own.
+  virtual void prepare(const RayView&, Query) {}
   /// Scratch space that a slice needs, in bytes.
   [[nodiscard]] virtual std::size_t scratch_bytes() const noexcept { return 0; }
   /// Nearest hit of each ray, ties to the smallest primitive id. Counters null: the timed kernel; given: the counting one. `scratch` is 64-byte aligned.

@@ -26,10 +26,11 @@ const Scene& scene_named(std::string_view name) {
 Traced trace(const Structure& structure, const QueryOptions& options, const RayBatch& rays, int threads) {
   const auto intersector = structure.intersector(options);
   Traced out, timed;
-  intersector->prepare(rays.view());
+  intersector->prepare(rays.view(), Query::closest);
   trace_closest(*intersector, rays, out.hits, threads, &out.closest);
-  trace_any(*intersector, rays, out.blockers, threads, &out.any);
   trace_closest(*intersector, rays, timed.hits, threads);
+  intersector->prepare(rays.view(), Query::any);
+  trace_any(*intersector, rays, out.blockers, threads, &out.any);
   trace_any(*intersector, rays, timed.blockers, threads);
   EXPECT_TRUE(bits_equal(out.hits, timed.hits)) << "timed and counted kernels differ";
   EXPECT_TRUE(std::ranges::equal(out.blockers.span(), timed.blockers.span())) << "timed and counted kernels differ";
