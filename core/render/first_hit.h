@@ -23,7 +23,7 @@ class CastFirstHit final : public FirstHit {
 public:
   explicit CastFirstHit(Intersector& intersector) : intersector_(intersector) {}
   void find(const CameraModel&, const Column<std::int32_t>&, const RayBatch& eye_rays, HitBatch& hits, int threads, Counters* counters) override {
-    intersector_.prepare(eye_rays.view(), Query::closest);
+    intersector_.prepare(eye_rays.view(), Query::closest, threads);
     trace_closest(intersector_, eye_rays, hits, threads, counters);
   }
 

@@ -11,7 +11,8 @@ Column<std::uint64_t> events_per_pixel(const CameraModel& model, Intersector& in
   Column<std::int32_t> pixels(static_cast<std::size_t>(model.pixel_count()));
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::int32_t>(i);
   const RayBatch rays = eye_rays(model, pixels, threads);
-  intersector.prepare(rays.view(), Query::closest);
+  intersector.prepare(rays.view(), Query::closest, threads);
+  const std::int32_t* const order = intersector.order();
   HitBatch hits;
   hits.resize(rays.size());
   Column<std::uint64_t> events(rays.size());
@@ -20,7 +21,7 @@ Column<std::uint64_t> events_per_pixel(const CameraModel& model, Intersector& in
     for (std::size_t i = first; i < first + count; ++i) {
       Counters counters;
       intersector.closest_hit(rays.view(i, 1), hits.view(i, 1), &counters, scratch.data());
-      events[i] = counters.live(event);
+      events[order != nullptr ? static_cast<std::size_t>(order[i]) : i] = counters.live(event);
     }
   });
   return events;

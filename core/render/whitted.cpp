@@ -95,7 +95,7 @@ private:
     HitBatch hits;
     in_phase(phase_of(rays.origin), rays.size(), [&](Counters* counters) {
       if (rays.origin == Origin::eye) return first_hit_.find(options_.model, pixels_, rays.rays, hits, options_.threads, counters);
-      intersector_.prepare(rays.rays.view(), Query::closest);
+      intersector_.prepare(rays.rays.view(), Query::closest, options_.threads);
       trace_closest(intersector_, rays.rays, hits, options_.threads, counters);
     });
     count(rays, hits);
@@ -165,7 +165,7 @@ private:
     const ShadowRays shadow = joined(points, parts, options_.threads);
     Column<std::int32_t> blocker;
     in_phase(FramePhase::shadow, shadow.size(), [&](Counters* counters) {
-      intersector_.prepare(shadow.rays.view(), Query::any);
+      intersector_.prepare(shadow.rays.view(), Query::any, options_.threads);
       trace_any(intersector_, shadow.rays, blocker, options_.threads, counters);
     });
     const auto all = static_cast<std::int64_t>(shadow.size());

@@ -13,8 +13,13 @@ namespace raymeter {
 class Intersector {
 public:
   virtual ~Intersector() = default;
-  /// Sees the whole batch, and what will be asked of it, before it is sliced; its time is a phase of its own.
-  virtual void prepare(const RayView&, Query) {}
+  /// Sees the whole batch, and what will be asked of it, before it is sliced; may work on `threads` threads (0: all), its time is a phase of its own. What it
+  /// does may change how fast later calls are and what they count, the same on any number of threads, but no answer.
+  virtual void prepare(const RayView&, Query, int /*threads*/) {}
+  /// The order in which the prepared batch is to be traced: a permutation of its rays; null: as they come. Where there is one, the slice of `count` rays from
+  /// `first` on, views of the columns that were prepared, stands for the rays order()[first] .. order()[first + count - 1]: a call answers those, each in its
+  /// own place of the batch, so that packets may gather rays from anywhere. All is answered when all slices have been called.
+  [[nodiscard]] virtual const std::int32_t* order() const noexcept { return nullptr; }
   /// Scratch space that a slice needs, in bytes.
   [[nodiscard]] virtual std::size_t scratch_bytes() const noexcept { return 0; }
   /// Nearest hit of each ray, ties to the smallest primitive id. Counters null: the timed kernel; given: the counting one. `scratch` is 64-byte aligned.

@@ -32,7 +32,7 @@ double elapsed_ms(std::chrono::steady_clock::time_point since) {
 void trace_into(AtomicFile& out, Intersector& intersector, const RayBatch& rays, bool counting, TraceStats& stats) {
   Counters* const counters = counting ? &stats.counters : nullptr;
   const auto start = std::chrono::steady_clock::now();
-  intersector.prepare(rays.view(), stats.query == "closest" ? Query::closest : Query::any);
+  intersector.prepare(rays.view(), stats.query == "closest" ? Query::closest : Query::any, stats.threads);
   if (stats.query == "closest") {
     HitBatch hits;
     trace_closest(intersector, rays, hits, stats.threads);

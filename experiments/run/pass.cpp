@@ -58,7 +58,7 @@ PassTime run_pass(Intersector& intersector, const RaySet& set, int threads, Answ
   PassTime time;
   const double cpu_before = cpu_ms();
   const auto start = std::chrono::steady_clock::now();
-  intersector.prepare(set.rays.view(), set.query);
+  intersector.prepare(set.rays.view(), set.query, threads);
   time.prepare_ms = ms_since(start);
   if (set.query == Query::closest)
     trace_closest(intersector, set.rays, answers.hits, threads, counters);

@@ -26,10 +26,10 @@ const Scene& scene_named(std::string_view name) {
 Traced trace(const Structure& structure, const QueryOptions& options, const RayBatch& rays, int threads) {
   const auto intersector = structure.intersector(options);
   Traced out, timed;
-  intersector->prepare(rays.view(), Query::closest);
+  intersector->prepare(rays.view(), Query::closest, threads);
   trace_closest(*intersector, rays, out.hits, threads, &out.closest);
   trace_closest(*intersector, rays, timed.hits, threads);
-  intersector->prepare(rays.view(), Query::any);
+  intersector->prepare(rays.view(), Query::any, threads);
   trace_any(*intersector, rays, out.blockers, threads, &out.any);
   trace_any(*intersector, rays, timed.blockers, threads);
   EXPECT_TRUE(bits_equal(out.hits, timed.hits)) << "timed and counted kernels differ";
