@@ -37,6 +37,7 @@ public:
     const auto start = Clock::now();
     const CameraModel& model = options_.model;
     out_.image = {model.width, model.height, Column<glm::vec3>(static_cast<std::size_t>(model.pixel_count()), glm::vec3(0))};
+    in_phase(FramePhase::first_hit, 0, [&](Counters*) { first_hit_.begin(model, options_.threads); });
     const PixelOrder order(model.width, model.height);
     for (std::int32_t block = 0; block < order.block_count() && options_.termination.traces_eye_rays();) {
       pixels_.clear();

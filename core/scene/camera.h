@@ -51,11 +51,16 @@ public:
   [[nodiscard]] const glm::dvec3& eye() const noexcept { return eye_; }
   /// Unit direction through sample (x, y), x to the right from 0, y downwards from 0.
   [[nodiscard]] glm::dvec3 direction(int x, int y) const noexcept;
+  /// Unit, towards what is looked at; the two below are perpendicular to it.
+  [[nodiscard]] const glm::dvec3& center() const noexcept { return center_; }
+  /// Half a sample distance to the right, and downwards, on the image plane at distance 1.
+  [[nodiscard]] const glm::dvec3& right() const noexcept { return right_; }
+  [[nodiscard]] const glm::dvec3& down() const noexcept { return down_; }
 
 private:
   glm::dvec3 eye_;
-  glm::dvec3 center_;  ///< unit, towards what is looked at
-  glm::dvec3 right_;   ///< half a sample distance to the right on the image plane at distance 1
+  glm::dvec3 center_;
+  glm::dvec3 right_;
   glm::dvec3 down_;
   int width_;
   int height_;
