@@ -1,6 +1,8 @@
 #include "accel/registry.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <string>
 
@@ -12,8 +14,10 @@ namespace raymeter {
 
 namespace {
 
-// THE table: a new technique is one folder and one row here.
+// THE tables: a new technique is one folder and one row here.
 constexpr std::array kStructures{kListEntry, kBvhEntry, kGridEntry};
+constexpr std::array kFirstHits{kCastEntry};
+constexpr std::array kOcclusions{kNoneEntry};
 
 /// Reads a value as the type that the parameter has.
 ParamValue parse_value(const ParamInfo& info, std::string_view text) {
@@ -32,35 +36,48 @@ ParamValue parse_value(const ParamInfo& info, std::string_view text) {
   return std::string(text);
 }
 
-}  // namespace
-
-std::span<const StructureEntry> structures() noexcept { return kStructures; }
-
-const StructureEntry& structure_entry(std::string_view name) {
+template <class Rows>
+const auto& row_named(const Rows& rows, std::string_view name) {
   std::vector<std::string_view> names;
-  for (const StructureEntry& entry : kStructures) {
-    if (entry.name == name) return entry;
-    names.push_back(entry.name);
+  for (const auto& row : rows) {
+    if (row.name == name) return row;
+    names.push_back(row.name);
   }
   const std::string near = nearest_word(name, names);
-  throw Error("unknown technique '" + std::string(name) + "'; " +
-              (near.empty() ? "see 'raymeter list techniques'" : "did you mean " + near + "?"));
+  throw Error("unknown technique '" + std::string(name) + "'; " + (near.empty() ? "see 'raymeter list techniques'" : "did you mean " + near + "?"));
 }
 
-TechniqueSpec parse_technique(std::string_view text) {
-  if (const auto plus = text.find('+'); plus != std::string_view::npos) {
-    throw Error(std::string(text) + ": unknown technique slot '" + std::string(text.substr(plus)) + "'");
-  }
-  const auto colon = text.find(':');
-  const StructureEntry& entry = structure_entry(text.substr(0, colon));
-  const std::vector<ParamInfo> infos = entry.params();
+template <class Row>
+bool has_row(std::span<const Row> rows, std::string_view name) {
+  return std::ranges::find(rows, name, &Row::name) != rows.end();
+}
+
+/// One slot of a technique's text.
+struct SlotText {
+  std::string_view name;
+  std::string_view params;
+};
+
+/// Takes the first slot off `rest`. A plus separates slots where a name follows; others belong to numbers.
+SlotText take_slot(std::string_view& rest) {
+  std::size_t end = 0;
+  while (end < rest.size() && !(rest[end] == '+' && end + 1 < rest.size() && std::isalpha(static_cast<unsigned char>(rest[end + 1])) != 0)) ++end;
+  const std::string_view slot = rest.substr(0, end);
+  rest.remove_prefix(std::min(rest.size(), end + 1));
+  const auto colon = slot.find(':');
+  return {slot.substr(0, colon), colon == std::string_view::npos ? std::string_view{} : slot.substr(colon + 1)};
+}
+
+/// A row's parameters as text says, all of them.
+template <class Row>
+ParamValues parse_params(const Row& row, std::string_view text) {
+  const std::vector<ParamInfo> infos = row.params();
   ParamValues values;
-  std::string_view rest = colon == std::string_view::npos ? std::string_view{} : text.substr(colon + 1);
-  while (!rest.empty()) {
-    const std::string_view item = rest.substr(0, rest.find(','));
-    rest = item.size() == rest.size() ? std::string_view{} : rest.substr(item.size() + 1);
+  while (!text.empty()) {
+    const std::string_view item = text.substr(0, text.find(','));
+    text = item.size() == text.size() ? std::string_view{} : text.substr(item.size() + 1);
     const auto equals = item.find('=');
-    if (equals == std::string_view::npos) throw Error(std::string(text) + ": expected key=value, got '" + std::string(item) + "'");
+    if (equals == std::string_view::npos) throw Error(std::string(row.name) + ": expected key=value, got '" + std::string(item) + "'");
     const std::string_view key = item.substr(0, equals);
     ParamValue value = std::string(item.substr(equals + 1));
     for (const ParamInfo& info : infos) {
@@ -69,10 +86,82 @@ TechniqueSpec parse_technique(std::string_view text) {
     values.emplace_back(key, std::move(value));
   }
   try {
-    return {&entry, entry.resolve(values)};
+    return row.resolve(values);
   } catch (const Error& error) {
-    throw Error(std::string(entry.name) + ":" + error.what());
+    throw Error(std::string(row.name) + ":" + error.what());
   }
+}
+
+/// Fills an empty slot.
+template <class Row>
+void choose(Chosen<Row>& slot, std::span<const Row> rows, const SlotText& text) {
+  const Row& row = row_named(rows, text.name);
+  if (slot.entry != nullptr) throw Error(std::string(text.name) + ": stands in the same slot as " + std::string(slot.entry->name));
+  slot = {&row, parse_params(row, text.params)};
+}
+
+template <class Row>
+void choose_default(Chosen<Row>& slot, std::span<const Row> rows) {
+  if (slot.entry == nullptr) slot = {&rows.front(), rows.front().resolve({})};
+}
+
+}  // namespace
+
+std::span<const StructureEntry> structures() noexcept { return kStructures; }
+std::span<const FirstHitEntry> first_hits() noexcept { return kFirstHits; }
+std::span<const OcclusionEntry> occlusions() noexcept { return kOcclusions; }
+
+const StructureEntry& structure_entry(std::string_view name) { return row_named(structures(), name); }
+const FirstHitEntry& first_hit_entry(std::string_view name) { return row_named(first_hits(), name); }
+const OcclusionEntry& occlusion_entry(std::string_view name) { return row_named(occlusions(), name); }
+
+std::vector<TechniqueInfo> techniques() {
+  std::vector<TechniqueInfo> all;
+  const auto add = [&](std::string_view slot, const auto& rows) {
+    for (const auto& row : rows) all.push_back({slot, row.name, row.summary, row.source, row.params});
+  };
+  add("structure", structures());
+  add("first_hit", first_hits());
+  add("occlusion", occlusions());
+  return all;
+}
+
+TechniqueInfo technique_info(std::string_view name) { return row_named(techniques(), name); }
+
+TechniqueSpec parse_technique(std::string_view text) {
+  std::string_view rest = text;
+  TechniqueSpec spec;
+  const SlotText structure = take_slot(rest);
+  if (has_row(first_hits(), structure.name) || has_row(occlusions(), structure.name)) {
+    throw Error(std::string(structure.name) + ": comes after a structure, as in bvh+" + std::string(structure.name));
+  }
+  spec.structure = &structure_entry(structure.name);
+  spec.params = parse_params(*spec.structure, structure.params);
+  while (!rest.empty()) {
+    const SlotText slot = take_slot(rest);
+    if (has_row(first_hits(), slot.name)) {
+      choose(spec.first_hit, first_hits(), slot);
+    } else if (has_row(occlusions(), slot.name)) {
+      choose(spec.occlusion, occlusions(), slot);
+    } else if (has_row(structures(), slot.name)) {
+      throw Error(std::string(slot.name) + ": stands in the same slot as " + std::string(structure.name));
+    } else {
+      (void)technique_info(slot.name);  // throws
+    }
+  }
+  choose_default(spec.first_hit, first_hits());
+  choose_default(spec.occlusion, occlusions());
+  return spec;
+}
+
+std::string params_text(const ParamValues& params) {
+  std::string text;
+  for (const auto& [key, value] : params) text.append(text.empty() ? "" : ",").append(key).append("=").append(to_string(value));
+  return text;
+}
+
+std::string technique_text(std::string_view name, const ParamValues& params) {
+  return std::string(name).append(params.empty() ? "" : ":").append(params_text(params));
 }
 
 }  // namespace raymeter

@@ -51,6 +51,7 @@ dvec3 cosine_direction(const dvec3& normal, RandomStream& random) noexcept {
 }
 
 struct PrimaryHit {
+  std::int32_t prim;
   Surface surface;  ///< both normals turned to the eye
   dvec3 dir;
   std::int32_t pixel;
@@ -72,7 +73,7 @@ std::vector<PrimaryHit> primary_hits(const Scene& scene, const RaySet& primary, 
       Surface surface = surface_at(scene, ray, hits.t[i], hits.prim[i]);
       if (glm::dot(surface.geometric, dir) > 0) surface.geometric = -surface.geometric;
       if (glm::dot(surface.shading, dir) > 0) surface.shading = -surface.shading;
-      found[k] = {surface, dir, primary.pixel[i]};
+      found[k] = {hits.prim[i], surface, dir, primary.pixel[i]};
     }
   });
   return found;
@@ -84,6 +85,7 @@ RaySet primary_rays(const CameraModel& model, int threads) {
   pixels.reserve(static_cast<std::size_t>(model.pixel_count()));
   for (std::int32_t block = 0; block < order.block_count(); ++block) order.append_block(block, pixels);
   RaySet set;
+  set.model = model;
   set.rays = eye_rays(model, pixels, threads);
   set.pixel = std::move(pixels);
   return set;
@@ -91,11 +93,13 @@ RaySet primary_rays(const CameraModel& model, int threads) {
 
 RaySet shadow_rays(const Scene& scene, const std::vector<PrimaryHit>& hits) {
   RaySet set = resized(0, Query::any);
-  for (const Light& light : scene.lights) {
+  for (std::size_t light = 0; light < scene.lights.size(); ++light) {
+    const dvec3& position = scene.lights[light].position;
     for (const PrimaryHit& hit : hits) {
-      if (glm::dot(hit.surface.shading, light.position - hit.surface.point) <= 0) continue;
-      set.rays.push_back(spawn_ray_to(hit.surface, light.position));
+      if (glm::dot(hit.surface.shading, position - hit.surface.point) <= 0) continue;
+      set.rays.push_back(spawn_ray_to(hit.surface, position));
       set.pixel.push_back(hit.pixel);
+      set.origins.push_back(static_cast<std::int32_t>(light), hit.prim);
     }
   }
   return set;

@@ -7,6 +7,7 @@
 
 #include "core/base/column.h"
 #include "core/ray/ray_batch.h"
+#include "core/ray/shadow_origins.h"
 #include "core/ray/views.h"
 #include "core/scene/camera.h"
 #include "core/scene/scene.h"
@@ -39,6 +40,8 @@ struct RaySet {
   RayBatch rays;
   Query query = Query::closest;  ///< any for shadow and ambient_occlusion
   Column<std::int32_t> pixel;    ///< y * width + x of the eye ray that each ray comes from; of random rays their number
+  ShadowOrigins origins = {};    ///< of shadow rays
+  CameraModel model = {};        ///< of the eye rays
 };
 
 /// The eye rays through the given pixels, y * width + x.

@@ -28,6 +28,7 @@ struct ShadingPoint {
   const Material* material;
   std::int32_t slot;  ///< of the pixel
   glm::vec3 weight;   ///< share of the hit's radiance in the pixel's
+  std::int32_t prim;
 };
 
 /// The mirrored direction; as long as the incoming one.

@@ -9,6 +9,7 @@
 
 #include "core/base/column.h"
 #include "core/ray/ray_batch.h"
+#include "core/ray/shadow_origins.h"
 #include "core/render/shading.h"
 #include "core/trace/slices.h"
 
@@ -28,6 +29,11 @@ inline void place(RayBatch& whole, std::size_t at, const RayBatch& part) {
   place(whole.t_max, at, part.t_max);
 }
 
+inline void place(ShadowOrigins& whole, std::size_t at, const ShadowOrigins& part) {
+  place(whole.light, at, part.light);
+  place(whole.source, at, part.source);
+}
+
 enum class Origin : std::uint8_t { eye, reflection, refraction };
 
 /// Rays of one origin and one depth that are traced and shaded together. They come from different pixels, in the order of their slots: what they add to their
@@ -35,6 +41,7 @@ enum class Origin : std::uint8_t { eye, reflection, refraction };
 struct Generation {
   Origin origin = Origin::eye;
   int depth = 1;
+  std::int32_t node = RayTree::kEye;
   RayBatch rays;
   Column<std::int32_t> slot;  ///< of the pixel in its band
   Column<glm::vec3> weight;   ///< share of the ray's radiance in the pixel's, per colour channel
@@ -66,21 +73,25 @@ struct Generation {
 /// Shadow rays towards one light, and what they bring to their pixels unless they are blocked.
 struct ShadowRays {
   RayBatch rays;
+  ShadowOrigins origins;
   Column<std::int32_t> slot;
   Column<glm::vec3> radiance;
 
   void reserve(std::size_t size) {
     rays.reserve(size);
+    origins.reserve(size);
     slot.reserve(size);
     radiance.reserve(size);
   }
   void resize(std::size_t size) {
     rays.resize(size);
+    origins.resize(size);
     slot.resize(size);
     radiance.resize(size);
   }
   void place_part(std::size_t at, const ShadowRays& part) {
     place(rays, at, part.rays);
+    place(origins, at, part.origins);
     place(slot, at, part.slot);
     place(radiance, at, part.radiance);
   }

@@ -31,13 +31,16 @@ FramePhase phase_of(Origin origin) noexcept {
 class Whitted {
 public:
   Whitted(const Scene& scene, FirstHit& first_hit, Intersector& intersector, const RenderOptions& options)
-      : scene_(scene), first_hit_(first_hit), intersector_(intersector), options_(options), rules_(surface_rules(options.model.convention)) {}
+      : scene_(scene), first_hit_(first_hit), intersector_(intersector), options_(options), rules_(surface_rules(options.model.convention)) {
+    if (options.occlusion != nullptr) occlusion_ = options.occlusion;
+  }
 
   Rendering render() {
     const auto start = Clock::now();
     const CameraModel& model = options_.model;
     out_.image = {model.width, model.height, Column<glm::vec3>(static_cast<std::size_t>(model.pixel_count()), glm::vec3(0))};
     in_phase(FramePhase::first_hit, 0, [&](Counters*) { first_hit_.begin(model, options_.threads); });
+    in_phase(FramePhase::shadow, 0, [&](Counters*) { occlusion_->begin(); });
     const PixelOrder order(model.width, model.height);
     for (std::int32_t block = 0; block < order.block_count() && options_.termination.traces_eye_rays();) {
       pixels_.clear();
@@ -71,10 +74,10 @@ private:
     Generation reflections, refractions;
     {
       const ShadingPoints points = shading_points(rays, traced(rays));
-      for (const Light& light : scene_.lights) add_light(points, light);
+      for (std::size_t light = 0; light < scene_.lights.size(); ++light) add_light(points, light, rays.node);
       if (rays.depth < options_.termination.max_depth) {
-        reflections = reflected(points, rays.depth + 1);
-        refractions = refracted(points, rays.depth + 1);
+        reflections = reflected(points, rays.depth + 1, RayTree::reflection(rays.node));
+        refractions = refracted(points, rays.depth + 1, RayTree::refraction(rays.node));
       }
       rays = {};
     }
@@ -153,22 +156,24 @@ private:
     point.material = &scene_.material(prim);
     point.slot = rays.slot[i];
     point.weight = rays.weight[i];
+    point.prim = prim;
     return point;
   }
 
-  void add_light(const ShadingPoints& points, const Light& light) {
+  void add_light(const ShadingPoints& points, std::size_t light_number, std::int32_t node) {
+    const Light& light = scene_.lights[light_number];
     const auto parts = emitted<ShadowRays>(points, options_.threads, [&](ShadowRays& out, const ShadingPoint& point) {
       if (!faces(point, light)) return;
       out.rays.push_back(spawn_ray_to(point.surface, light.position, rules_.distance_min));
+      out.origins.push_back(static_cast<std::int32_t>(light_number), point.prim);
       out.slot.push_back(point.slot);
       out.radiance.push_back(glm::vec3(glm::dvec3(point.weight) * phong(point, light)));
     });
-    const ShadowRays shadow = joined(points, parts, options_.threads);
+    ShadowRays shadow = joined(points, parts, options_.threads);
+    shadow.origins.node = node;
     Column<std::int32_t> blocker;
-    in_phase(FramePhase::shadow, shadow.size(), [&](Counters* counters) {
-      intersector_.prepare(shadow.rays.view(), Query::any, options_.threads);
-      trace_any(intersector_, shadow.rays, blocker, options_.threads, counters);
-    });
+    in_phase(FramePhase::shadow, shadow.size(),
+             [&](Counters* counters) { occlusion_->find(shadow.rays, shadow.origins, blocker, options_.threads, counters); });
     const auto all = static_cast<std::int64_t>(shadow.size());
     out_.rays.shadow += all;
     out_.rays.shadow_blocked += all - std::count(blocker.begin(), blocker.end(), -1);
@@ -186,7 +191,7 @@ private:
   }
 
   /// On total internal reflection the mirrored ray carries the transmitted one's share too.
-  Generation reflected(const ShadingPoints& points, int depth) {
+  Generation reflected(const ShadingPoints& points, int depth, std::int32_t node) {
     const auto parts = emitted<Generation>(points, options_.threads, [&](Generation& out, const ShadingPoint& point) {
       const Material& material = *point.material;
       if (!material.reflects() && !material.transmits()) return;
@@ -195,27 +200,30 @@ private:
       spawn(out, point, mirrored(point), material.specular + (total ? material.transmittance : 0), depth);
     });
     for (const Generation& part : parts) out_.rays.tir += part.tir;
-    return spawned(points, parts, Origin::reflection, depth);
+    return spawned(points, parts, Origin::reflection, depth, node);
   }
 
-  Generation refracted(const ShadingPoints& points, int depth) {
+  Generation refracted(const ShadingPoints& points, int depth, std::int32_t node) {
     const auto parts = emitted<Generation>(points, options_.threads, [&](Generation& out, const ShadingPoint& point) {
       if (!point.material->transmits()) return;
       if (const auto dir = transmitted(point)) spawn(out, point, *dir, point.material->transmittance, depth);
     });
-    return spawned(points, parts, Origin::refraction, depth);
+    return spawned(points, parts, Origin::refraction, depth, node);
   }
 
-  [[nodiscard]] Generation spawned(const ShadingPoints& points, const std::vector<Generation>& parts, Origin origin, int depth) const {
+  [[nodiscard]] Generation spawned(const ShadingPoints& points, const std::vector<Generation>& parts, Origin origin, int depth, std::int32_t node) const {
     Generation all = joined(points, parts, options_.threads);
     all.origin = origin;
     all.depth = depth;
+    all.node = node;
     return all;
   }
 
   const Scene& scene_;
   FirstHit& first_hit_;
   Intersector& intersector_;
+  TracedOcclusion traced_{intersector_};
+  Occlusion* occlusion_ = &traced_;
   const RenderOptions& options_;
   SurfaceRules rules_;
   Column<std::int32_t> pixels_;  ///< of the band

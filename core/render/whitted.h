@@ -6,6 +6,7 @@
 #include "core/render/first_hit.h"
 #include "core/render/frame_phases.h"
 #include "core/render/image.h"
+#include "core/render/occlusion.h"
 #include "core/render/termination.h"
 #include "core/scene/scene.h"
 #include "core/trace/intersector.h"
@@ -39,8 +40,9 @@ struct DepthCounts {
 struct RenderOptions {
   CameraModel model;
   Termination termination;
-  int threads = 0;     ///< 0: all
-  bool count = false;  ///< the counting kernels trace
+  int threads = 0;                 ///< 0: all
+  bool count = false;              ///< the counting kernels trace
+  Occlusion* occlusion = nullptr;  ///< what answers shadow rays; null: the intersector
 };
 
 struct Rendering {

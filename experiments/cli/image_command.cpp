@@ -98,8 +98,11 @@ ExitCode make_image(const ImageOptions& options, std::ostream& messages) {
   const auto intersector = structure->intersector({stats.isa, stats.packet, stats.technique.params});
   Picture picture;
   if (options.heatmap.empty() || stats_file) {
-    CastFirstHit cast(*intersector);
-    const Rendering rendering = render(scene, cast, *intersector, {stats.model, stats.termination, stats.threads, stats_file.has_value()});
+    const auto make = [&](const auto& slot) { return slot.entry->make(scene, {stats.isa, stats.packet, stats.threads, slot.params}, *intersector); };
+    const auto first_hit = make(stats.technique.first_hit);
+    const auto occlusion = make(stats.technique.occlusion);
+    const RenderOptions render_options{stats.model, stats.termination, stats.threads, stats_file.has_value(), occlusion.get()};
+    const Rendering rendering = render(scene, *first_hit, *intersector, render_options);
     stats.rays = rendering.rays;
     stats.depth = rendering.depth;
     stats.totals = rendering.totals;
@@ -127,7 +130,7 @@ void add_image(Cli& cli) {
   CLI::App& command = cli.add_command("image", "raymeter image --scene spd:balls --technique bvh --out balls.png",
                                       "Renders a scene: Whitted's shading, mirrors, glass and shadows; or what it costs, as a heat map.");
   command.add_option("--scene", options->scene, "Generator (spd:balls:4) or file")->required();
-  command.add_option("--technique", options->technique, "STRUCTURE[:key=value,...], see 'raymeter list techniques'")->required();
+  command.add_option("--technique", options->technique, "STRUCTURE[:key=value,...][+FIRST_HIT...][+OCCLUSION...], see 'raymeter list techniques'")->required();
   command.add_option("--out", options->out, "Where the PNG goes")->required();
   command.add_option("--size", options->size, "W or WxH in pixels; default: the scene's own");
   command.add_option("--depth", options->termination.max_depth, "Greatest depth of rays; the eye ray has 1")->check(CLI::Range(0, 100))->capture_default_str();

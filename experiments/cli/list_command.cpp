@@ -17,7 +17,7 @@ namespace {
 
 std::string techniques_table() {
   std::string text;
-  for (const StructureEntry& entry : structures()) text += fmt::format("{:<20} {} ({})\n", entry.name, entry.summary, entry.source);
+  for (const TechniqueInfo& t : techniques()) text += fmt::format("{:<20} {:<10} {} ({})\n", t.name, t.slot, t.summary, t.source);
   return text;
 }
 
@@ -55,9 +55,9 @@ std::string value_range(const ParamInfo& info) {
   return fmt::format("{} to {}", info.min, info.max);
 }
 
-std::string description(const StructureEntry& entry) {
-  std::string text = fmt::format("{}: {}\n{}\n", entry.name, entry.summary, entry.source);
-  const std::vector<ParamInfo> infos = entry.params();
+std::string description(const TechniqueInfo& technique) {
+  std::string text = fmt::format("{} ({}): {}\n{}\n", technique.name, technique.slot, technique.summary, technique.source);
+  const std::vector<ParamInfo> infos = technique.params();
   if (infos.empty()) return text + "\nNo parameters.\n";
   const bool has_query = std::ranges::any_of(infos, [](const ParamInfo& info) { return info.use == ParamUse::query; });
   text += fmt::format("\nParameters, with (default) and range{}:\n", has_query ? "; one marked 'query' needs no new build" : "");
@@ -103,8 +103,8 @@ void add_describe(Cli& cli) {
   command.add_flag("--json", options->json, "Print JSON");
   command.callback([&cli, options] {
     cli.action = [&cli, options] {
-      const StructureEntry& entry = structure_entry(options->technique);
-      *cli.out << (options->json ? technique_json(entry) + "\n" : description(entry));
+      const TechniqueInfo technique = technique_info(options->technique);
+      *cli.out << (options->json ? technique_json(technique) + "\n" : description(technique));
       return ExitCode::success;
     };
   });

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "accel/registry.h"
+#include "core/base/error.h"
 #include "core/base/threads.h"
 #include "core/trace/trace.h"
 #include "experiments/cli/choices.h"
@@ -53,6 +54,9 @@ void trace_into(AtomicFile& out, Intersector& intersector, const RayBatch& rays,
 ExitCode trace(const TraceOptions& options) {
   TraceStats stats;
   stats.technique = parse_technique(options.technique);
+  if (stats.technique.first_hit.entry != &first_hits().front() || stats.technique.occlusion.entry != &occlusions().front()) {
+    throw Error("--technique: a file's rays have neither eye nor light, expected a structure alone");
+  }
   stats.query = options.query;
   stats.isa = chosen_isa(options.isa);
   stats.packet = kPacket;

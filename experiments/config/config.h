@@ -12,9 +12,10 @@ namespace raymeter {
 
 inline constexpr int kSchemaVersion = 1;
 
-/// A structure of the matrix, with the values that each of its parameters is to take; parameters that are not named keep their defaults.
-struct StructureAxis {
-  const StructureEntry* entry = nullptr;
+/// A technique of one of the matrix's slots, with the values that each of its parameters is to take; parameters that are not named keep their defaults.
+template <class Entry>
+struct TechniqueAxis {
+  const Entry* entry = nullptr;
   std::vector<std::pair<std::string, std::vector<ParamValue>>> params;
   std::string path;  ///< in the config, for messages
 };
@@ -22,9 +23,9 @@ struct StructureAxis {
 /// The axes whose product is measured.
 struct Matrix {
   std::vector<SceneChoice> scene;
-  std::vector<StructureAxis> structure;
-  std::vector<std::string> first_hit{"cast"};
-  std::vector<std::string> occlusion{"none"};
+  std::vector<TechniqueAxis<StructureEntry>> structure;
+  std::vector<TechniqueAxis<FirstHitEntry>> first_hit{{&first_hits().front(), {}, "matrix.first_hit"}};
+  std::vector<TechniqueAxis<OcclusionEntry>> occlusion{{&occlusions().front(), {}, "matrix.occlusion"}};
   std::vector<int> max_depth{5};
   std::vector<double> min_weight{0};
   std::vector<Isa> isa{best_isa()};

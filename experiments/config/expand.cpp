@@ -14,8 +14,9 @@ namespace raymeter {
 
 namespace {
 
-/// The product of a structure's parameter lists, resolved.
-std::vector<ParamValues> param_products(const StructureAxis& axis) {
+/// The product of a technique's parameter lists, resolved.
+template <class Entry>
+std::vector<ParamValues> param_products(const TechniqueAxis<Entry>& axis) {
   std::vector<ParamValues> products{{}};
   for (const auto& [key, values] : axis.params) {
     std::vector<ParamValues> longer;
@@ -37,6 +38,37 @@ std::vector<ParamValues> param_products(const StructureAxis& axis) {
   return products;
 }
 
+/// Everything that a slot is to hold.
+template <class Entry>
+std::vector<Chosen<Entry>> choices(const std::vector<TechniqueAxis<Entry>>& axes) {
+  std::vector<Chosen<Entry>> all;
+  for (const TechniqueAxis<Entry>& axis : axes) {
+    for (ParamValues& params : param_products(axis)) all.push_back({axis.entry, std::move(params)});
+  }
+  return all;
+}
+
+template <class Entry>
+Chosen<Entry> default_of(std::span<const Entry> rows) {
+  return {&rows.front(), rows.front().resolve({})};
+}
+
+/// A slot that the cell's rays do not come by holds its default, so that a record never names a technique that had no part in it.
+void settle(Experiment& e) {
+  if (!takes_first_hit(e.rays)) e.first_hit = default_of(first_hits());
+  if (!takes_occlusion(e.rays)) e.occlusion = default_of(occlusions());
+}
+
+/// Throws Error where an axis names a technique, not its slot's default, that none of the matrix's rays come by.
+template <class Entry>
+void check_use(const std::vector<TechniqueAxis<Entry>>& axes, std::span<const Entry> rows, const std::vector<RaysChoice>& rays,
+               bool (*takes)(const RaysChoice&) noexcept, std::string_view expected) {
+  if (std::ranges::any_of(rays, takes)) return;
+  for (const TechniqueAxis<Entry>& axis : axes) {
+    if (axis.entry != &rows.front()) throw Error(fmt::format("{}: {} has no part in matrix.rays, expected {} there", axis.path, axis.entry->name, expected));
+  }
+}
+
 std::vector<Experiment> scene_cells(const Config& config, const SceneChoice& scene) {
   std::vector<Experiment> cells;
   Experiment e;
@@ -51,11 +83,13 @@ std::vector<Experiment> scene_cells(const Config& config, const SceneChoice& sce
       next();
     }
   };
-  for (const StructureAxis& axis : m.structure) {
+  const std::vector<Chosen<FirstHitEntry>> first_hit = choices(m.first_hit);
+  const std::vector<Chosen<OcclusionEntry>> occlusion = choices(m.occlusion);
+  for (const TechniqueAxis<StructureEntry>& axis : m.structure) {
     e.structure = axis.entry;
     each(param_products(axis), e.params, [&] {
-      each(m.first_hit, e.first_hit, [&] {
-        each(m.occlusion, e.occlusion, [&] {
+      each(first_hit, e.first_hit, [&] {
+        each(occlusion, e.occlusion, [&] {
           each(m.max_depth, e.max_depth, [&] {
             each(m.min_weight, e.min_weight, [&] {
               each(m.isa, e.isa,
@@ -66,19 +100,21 @@ std::vector<Experiment> scene_cells(const Config& config, const SceneChoice& sce
       });
     });
   }
+  std::ranges::for_each(cells, settle);
   return cells;
 }
 
 /// Whether two cells differ in nothing but what `free` names.
 bool differ_only_in(const Experiment& a, const Experiment& b, const Pattern& free) {
-  if (!free.names("structure") && !free.names("structure.name")) {
-    if (a.structure != b.structure) return false;
-    for (const auto& [key, value] : a.params) {
-      const std::string param = "structure." + key;
+  for (const SlotField& slot : slot_fields(a)) {
+    if (free.names(slot.slot) || free.names(fmt::format("{}.name", slot.slot))) continue;
+    if (field(a, std::string(slot.slot)) != field(b, std::string(slot.slot))) return false;
+    for (const auto& [key, value] : slot.params) {
+      const std::string param = fmt::format("{}.{}", slot.slot, key);
       if (!free.names(param) && field(a, param) != field(b, param)) return false;
     }
   }
-  for (const char* key : {"scene", "first_hit", "occlusion", "max_depth", "min_weight", "isa", "packet", "rays", "threads"}) {
+  for (const char* key : {"scene", "max_depth", "min_weight", "isa", "packet", "rays", "threads"}) {
     if (!free.names(key) && field(a, key) != field(b, key)) return false;
   }
   return true;
@@ -99,14 +135,17 @@ Shard parse_shard(const std::string& text) {
 
 double cell_count(const Config& config) noexcept {
   const Matrix& m = config.matrix;
-  double count = 0;
-  for (const StructureAxis& axis : m.structure) {
-    double product = 1;
-    for (const auto& [key, values] : axis.params) product *= static_cast<double>(values.size());
-    count += product;
-  }
-  for (const std::size_t size : {m.scene.size(), m.first_hit.size(), m.occlusion.size(), m.max_depth.size(), m.min_weight.size(), m.isa.size(), m.packet.size(),
-                                 m.rays.size(), m.threads.size()}) {
+  const auto choice_count = [](const auto& axes) {
+    double count = 0;
+    for (const auto& axis : axes) {
+      double product = 1;
+      for (const auto& [key, values] : axis.params) product *= static_cast<double>(values.size());
+      count += product;
+    }
+    return count;
+  };
+  double count = choice_count(m.structure) * choice_count(m.first_hit) * choice_count(m.occlusion);
+  for (const std::size_t size : {m.scene.size(), m.max_depth.size(), m.min_weight.size(), m.isa.size(), m.packet.size(), m.rays.size(), m.threads.size()}) {
     count *= static_cast<double>(size);
   }
   return count;
@@ -116,6 +155,9 @@ std::vector<Experiment> expand(const Config& config, const Pattern& filter, cons
   constexpr double kMaxCells = 1e6;
   if (const double count = cell_count(config); count > kMaxCells)
     throw Error(fmt::format("{}: matrix has {:g} cells, expected at most {:g}", config.path, count, kMaxCells));
+  const Matrix& m = config.matrix;
+  check_use(m.first_hit, first_hits(), m.rays, takes_first_hit, "primary");
+  check_use(m.occlusion, occlusions(), m.rays, takes_occlusion, "shadow");
   std::vector<Experiment> cells;
   std::set<std::string> seen;
   for (std::size_t s = 0; s < config.matrix.scene.size(); ++s) {
@@ -134,8 +176,8 @@ std::string canonical_json(const Experiment& e) {
   const nlohmann::json json{{"scene", e.scene.name},
                             {"structure", e.structure->name},
                             {"params", to_json(e.params)},
-                            {"first_hit", e.first_hit},
-                            {"occlusion", e.occlusion},
+                            {"first_hit", technique_text(e.first_hit)},
+                            {"occlusion", technique_text(e.occlusion)},
                             {"max_depth", e.max_depth},
                             {"min_weight", e.min_weight},
                             {"isa", name(e.isa)},

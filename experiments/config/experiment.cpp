@@ -6,22 +6,24 @@
 
 #include <fmt/format.h>
 
-#include "accel/registry.h"
 #include "core/base/error.h"
 
 namespace raymeter {
 
 namespace {
 
-constexpr std::string_view kStructurePrefix = "structure.";
+/// "slot.key".
+std::string slot_key(std::string_view slot, std::string_view key) { return fmt::format("{}.{}", slot, key); }
 
 bool text_matches(const std::string& pattern, const std::string& text, bool glob) {
   return glob ? ::fnmatch(pattern.c_str(), text.c_str(), 0) == 0 : pattern == text;
 }
 
 bool field_matches(const Experiment& experiment, const std::string& key, const std::string& pattern, bool glob) {
-  if (key == "structure") {
-    return text_matches(pattern, std::string(experiment.structure->name), glob) || text_matches(pattern, technique_text(experiment), glob);
+  for (const SlotField& field : slot_fields(experiment)) {
+    if (key != field.slot) continue;
+    if (text_matches(pattern, std::string(field.name), glob) || text_matches(pattern, technique_text(field.name, field.params), glob)) return true;
+    return key == "structure" && text_matches(pattern, technique_text(experiment), glob);
   }
   const std::optional<std::string> text = field(experiment, key);
   return text && text_matches(pattern, *text, glob);
@@ -29,44 +31,49 @@ bool field_matches(const Experiment& experiment, const std::string& key, const s
 
 }  // namespace
 
-std::string params_text(const ParamValues& params) {
-  std::string text;
-  for (const auto& [key, value] : params) text += fmt::format("{}{}={}", text.empty() ? "" : ",", key, to_string(value));
-  return text;
-}
+bool takes_first_hit(const RaysChoice& rays) noexcept { return rays.name == "primary"; }
+bool takes_occlusion(const RaysChoice& rays) noexcept { return rays.name == "shadow"; }
 
-std::string technique_text(const Experiment& experiment) {
-  const std::string params = params_text(experiment.params);
-  return std::string(experiment.structure->name) + (params.empty() ? "" : ":" + params);
+std::string technique_text(const Experiment& e) {
+  std::string text = technique_text(e.structure->name, e.params);
+  if (e.first_hit.entry != &first_hits().front()) text.append("+").append(technique_text(e.first_hit));
+  if (e.occlusion.entry != &occlusions().front()) text.append("+").append(technique_text(e.occlusion));
+  return text;
 }
 
 std::string threads_text(int threads) { return threads == 0 ? "all" : std::to_string(threads); }
 
+std::array<SlotField, kSlots.size()> slot_fields(const Experiment& e) noexcept {
+  return {SlotField{kSlots[0], e.structure->name, e.params}, SlotField{kSlots[1], e.first_hit.entry->name, e.first_hit.params},
+          SlotField{kSlots[2], e.occlusion.entry->name, e.occlusion.params}};
+}
+
 std::vector<std::string> field_keys() {
-  std::vector<std::string> keys{"scene",      "structure", "structure.name", "first_hit", "occlusion", "max_depth",
-                                "min_weight", "isa",       "packet",         "rays",      "threads"};
-  for (const StructureEntry& entry : structures()) {
-    for (const ParamInfo& info : entry.params()) {
-      const std::string key = std::string(kStructurePrefix) + std::string(info.key);
-      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
-    }
+  std::vector<std::string> keys{"scene", "max_depth", "min_weight", "isa", "packet", "rays", "threads"};
+  const auto add = [&](const std::string& key) {
+    if (std::ranges::find(keys, key) == keys.end()) keys.push_back(key);
+  };
+  for (const TechniqueInfo& technique : techniques()) {
+    add(std::string(technique.slot));
+    add(slot_key(technique.slot, "name"));
+    for (const ParamInfo& info : technique.params()) add(slot_key(technique.slot, info.key));
   }
   return keys;
 }
 
 std::optional<std::string> field(const Experiment& e, const std::string& key) {
   if (key == "scene") return e.scene.name;
-  if (key == "structure" || key == "structure.name") return std::string(e.structure->name);
-  if (key == "first_hit") return e.first_hit;
-  if (key == "occlusion") return e.occlusion;
   if (key == "max_depth") return std::to_string(e.max_depth);
   if (key == "min_weight") return to_string(ParamValue(e.min_weight));
   if (key == "isa") return std::string(name(e.isa));
   if (key == "packet") return std::to_string(e.packet);
   if (key == "rays") return e.rays.name;
   if (key == "threads") return threads_text(e.threads);
-  for (const auto& [param, value] : e.params) {
-    if (key == std::string(kStructurePrefix) + param) return to_string(value);
+  for (const SlotField& field : slot_fields(e)) {
+    if (key == field.slot || key == slot_key(field.slot, "name")) return std::string(field.name);
+    for (const auto& [param, value] : field.params) {
+      if (key == slot_key(field.slot, param)) return to_string(value);
+    }
   }
   return std::nullopt;
 }

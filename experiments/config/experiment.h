@@ -1,12 +1,13 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "accel/technique.h"
+#include "accel/registry.h"
 #include "core/simd/isa.h"
 
 namespace raymeter {
@@ -29,9 +30,9 @@ struct Experiment {
   std::string id;  ///< hash of the canonical JSON of everything below but the specs and paths
   SceneChoice scene;
   const StructureEntry* structure = nullptr;
-  ParamValues params;  ///< all of the structure's
-  std::string first_hit;
-  std::string occlusion;
+  ParamValues params;                ///< all of the structure's
+  Chosen<FirstHitEntry> first_hit;   ///< the default where the rays have no first hit of the eye: see takes_first_hit()
+  Chosen<OcclusionEntry> occlusion;  ///< the default where the rays are no shadow rays: see takes_occlusion()
   int max_depth = 0;
   double min_weight = 0;
   Isa isa = Isa::scalar;
@@ -43,18 +44,31 @@ struct Experiment {
   std::uint64_t seed = 0;
 };
 
-/// The parameters as "key=value,key=value".
-[[nodiscard]] std::string params_text(const ParamValues& params);
-/// The structure as on the command line, all parameters included.
+/// Whether rays are eye rays, or contain some.
+[[nodiscard]] bool takes_first_hit(const RaysChoice& rays) noexcept;
+/// Whether rays are shadow rays, or contain some, that know their light and source. Ambient occlusion has no lights; rays of a file say nothing of theirs.
+[[nodiscard]] bool takes_occlusion(const RaysChoice& rays) noexcept;
+
+/// The technique as on the command line, all parameters included; slots that hold their default are left out.
 [[nodiscard]] std::string technique_text(const Experiment& experiment);
 [[nodiscard]] std::string threads_text(int threads);
 
-/// Keys that `exclude`, `measure.reference` and --filter may name: the fields of the matrix, structure.name, and structure.PARAM of every structure.
+/// What a cell has in a slot that the tables fill.
+struct SlotField {
+  std::string_view slot;
+  std::string_view name;
+  const ParamValues& params;
+};
+inline constexpr std::array<std::string_view, 3> kSlots{"structure", "first_hit", "occlusion"};
+[[nodiscard]] std::array<SlotField, kSlots.size()> slot_fields(const Experiment& experiment) noexcept;
+
+/// Keys that `exclude`, `measure.reference` and --filter may name: the fields of the matrix, and of every slot SLOT.name and SLOT.PARAM.
 [[nodiscard]] std::vector<std::string> field_keys();
 /// The text of a field, as the config writes it; empty where the experiment has no such field (another structure's parameter).
 [[nodiscard]] std::optional<std::string> field(const Experiment& experiment, const std::string& key);
 
-/// Fields and the texts each may have; all must match. The key "structure" means the name, or the whole technique.
+/// Fields and the texts each may have; all must match. A slot as a key means the name of what is in it, or that with its parameters; "structure" also the
+/// whole technique.
 struct Pattern {
   std::vector<std::pair<std::string, std::vector<std::string>>> fields;
   /// `glob`: the texts may hold * ? [...].

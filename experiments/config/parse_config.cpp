@@ -66,8 +66,11 @@ RaysChoice parse_rays(const Json& value, const Environment& environment, const s
   return rays;
 }
 
-StructureAxis parse_structure(const Json& value, const std::string& path) {
-  StructureAxis axis{&structure_entry(value["name"].get<std::string>()), {}, path};
+/// A technique's name, or an object with it and parameters; find(name) gives the row of the slot's table.
+template <class Entry>
+TechniqueAxis<Entry> parse_axis(const Json& value, const std::string& path, const Entry& (*find)(std::string_view)) {
+  if (value.is_string()) return {&find(value.get<std::string>()), {}, path};
+  TechniqueAxis<Entry> axis{&find(value["name"].get<std::string>()), {}, path};
   for (const auto& [key, values] : value.items()) {
     if (key == "name") continue;
     axis.params.push_back({key, {}});
@@ -98,12 +101,11 @@ void parse_list(const Json& object, const std::string& key, const std::string& p
 Matrix parse_matrix(const Json& json, const Environment& environment) {
   Matrix m;
   const auto list = [&](const char* key, auto& out, auto&& parse) { parse_list(json, key, "matrix.", out, parse); };
-  const auto text = [](const Json& value, const std::string&) { return value.get<std::string>(); };
   const auto whole = [](const Json& value, const std::string&) { return value.get<int>(); };
   list("scene", m.scene, [&](const Json& value, const std::string& path) { return parse_scene(value, environment, path); });
-  list("structure", m.structure, parse_structure);
-  list("first_hit", m.first_hit, text);
-  list("occlusion", m.occlusion, text);
+  list("structure", m.structure, [](const Json& value, const std::string& path) { return parse_axis(value, path, structure_entry); });
+  list("first_hit", m.first_hit, [](const Json& value, const std::string& path) { return parse_axis(value, path, first_hit_entry); });
+  list("occlusion", m.occlusion, [](const Json& value, const std::string& path) { return parse_axis(value, path, occlusion_entry); });
   list("max_depth", m.max_depth, whole);
   list("min_weight", m.min_weight, [](const Json& value, const std::string&) { return value.get<double>(); });
   list("isa", m.isa, [](const Json& value, const std::string&) { return isa_from_name(value.get<std::string>()).value_or(best_isa()); });

@@ -50,15 +50,22 @@ Json param_schema(const ParamInfo& info) {
   return swept;
 }
 
-Json structure_schema(const StructureEntry& entry) {
-  Json properties{{"name", {{"const", entry.name}}}};
-  for (const ParamInfo& info : entry.params()) properties[std::string(info.key)] = param_schema(info);
-  return described(closed_object(properties, {"name"}), entry.summary);
+Json technique_schema(const TechniqueInfo& technique) {
+  Json properties{{"name", {{"const", technique.name}}}};
+  for (const ParamInfo& info : technique.params()) properties[std::string(info.key)] = param_schema(info);
+  return described(closed_object(properties, {"name"}), technique.summary);
 }
 
-Json structures_schema() {
-  Json alternatives = Json::array();
-  for (const StructureEntry& entry : structures()) alternatives.push_back(structure_schema(entry));
+/// The slot's techniques: names, or objects with parameters.
+Json slot_schema(std::string_view slot) {
+  Json names = Json::array(), objects = Json::array();
+  for (const TechniqueInfo& technique : techniques()) {
+    if (technique.slot != slot) continue;
+    names.push_back(technique.name);
+    objects.push_back(technique_schema(technique));
+  }
+  Json alternatives = Json::array({Json{{"enum", names}}});
+  alternatives.insert(alternatives.end(), objects.begin(), objects.end());
   return {{"anyOf", alternatives}};
 }
 
@@ -85,9 +92,9 @@ Json rays_schema() {
 Json matrix_schema() {
   const Json threads{{"anyOf", {integer(1, 4096), {{"const", "all"}}}}};
   return closed_object({{"scene", sweep(scene_schema(), "generators (spd:balls:4, gen:terrain:100000) or files")},
-                        {"structure", sweep(structures_schema(), "acceleration structures and their parameters")},
-                        {"first_hit", sweep({{"enum", {"cast"}}}, "how eye rays find their first hit")},
-                        {"occlusion", sweep({{"enum", {"none"}}}, "what is tried before a shadow ray is traced")},
+                        {"structure", sweep(slot_schema("structure"), "acceleration structures, and their parameters")},
+                        {"first_hit", sweep(slot_schema("first_hit"), "how eye rays find their first hit; other rays take the default")},
+                        {"occlusion", sweep(slot_schema("occlusion"), "what is tried before a shadow ray is traced; other rays take the default")},
                         {"max_depth", sweep({{"enum", {5}}}, "recursion of whole images, which are not measured yet")},
                         {"min_weight", sweep({{"enum", {0}}}, "least weight of a ray of whole images, which are not measured yet")},
                         {"isa", sweep(isa_schema(), "instruction sets; one that the machine lacks is recorded as skipped; best: the machine's best")},

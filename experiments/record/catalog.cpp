@@ -34,19 +34,19 @@ Json param_object(const ParamInfo& info) {
   return json;
 }
 
-Json technique_object(const StructureEntry& entry) {
+Json technique_object(const TechniqueInfo& technique) {
   Json params = Json::array();
-  for (const ParamInfo& info : entry.params()) params.push_back(param_object(info));
-  return {{"name", entry.name}, {"slot", "structure"}, {"summary", entry.summary}, {"source", entry.source}, {"params", params}};
+  for (const ParamInfo& info : technique.params()) params.push_back(param_object(info));
+  return {{"name", technique.name}, {"slot", technique.slot}, {"summary", technique.summary}, {"source", technique.source}, {"params", params}};
 }
 
 }  // namespace
 
-std::string technique_json(const StructureEntry& entry) { return technique_object(entry).dump(2); }
+std::string technique_json(const TechniqueInfo& technique) { return technique_object(technique).dump(2); }
 
 std::string techniques_json() {
   Json json = Json::array();
-  for (const StructureEntry& entry : structures()) json.push_back(technique_object(entry));
+  for (const TechniqueInfo& technique : techniques()) json.push_back(technique_object(technique));
   return json.dump(2);
 }
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "accel/technique.h"
+#include "accel/registry.h"
 
 namespace raymeter {
 
@@ -12,6 +12,6 @@ namespace raymeter {
 [[nodiscard]] std::string isas_json();
 [[nodiscard]] std::string metrics_json();
 /// One technique with its parameters, as a JSON object.
-[[nodiscard]] std::string technique_json(const StructureEntry& entry);
+[[nodiscard]] std::string technique_json(const TechniqueInfo& technique);
 
 }  // namespace raymeter

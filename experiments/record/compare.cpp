@@ -35,6 +35,9 @@ std::vector<PlannedCell> read_plan(const std::filesystem::path& folder) {
         params += fmt::format("{}{}={}", params.empty() ? ":" : ",", key, value.is_string() ? value.get<std::string>() : value.dump());
       }
       const auto text = [&](const char* key) { return cell.at(key).get<std::string>(); };
+      for (const auto& [slot, usual] : {std::pair{"first_hit", "cast"}, std::pair{"occlusion", "none"}}) {
+        if (text(slot) != usual) params.append("+").append(text(slot));
+      }
       cells.push_back({text("cell"), text("scene"),
                        fmt::format("{} {}{} {} packet {} {} threads {}", text("scene"), text("structure"), params, text("isa"), cell.at("packet").dump(),
                                    text("rays"), text("threads"))});

@@ -53,17 +53,26 @@ std::int64_t count_differences(const Answers& a, const Answers& b) noexcept {
   return count;
 }
 
-PassTime run_pass(Intersector& intersector, const RaySet& set, int threads, Answers& answers, Counters* counters) {
+PassTime run_pass(const Tracers& tracers, const RaySet& set, int threads, Answers& answers, Counters* counters) {
   answers.query = set.query;
   PassTime time;
   const double cpu_before = cpu_ms();
   const auto start = std::chrono::steady_clock::now();
-  intersector.prepare(set.rays.view(), set.query, threads);
-  time.prepare_ms = ms_since(start);
-  if (set.query == Query::closest)
-    trace_closest(intersector, set.rays, answers.hits, threads, counters);
-  else
-    trace_any(intersector, set.rays, answers.blocker, threads, counters);
+  if (tracers.first_hit != nullptr) {
+    tracers.first_hit->begin(set.model, threads);
+    time.prepare_ms = ms_since(start);
+    tracers.first_hit->find(set.model, set.pixel, set.rays, answers.hits, threads, counters);
+  } else if (tracers.occlusion != nullptr) {
+    tracers.occlusion->begin();
+    tracers.occlusion->find(set.rays, set.origins, answers.blocker, threads, counters);
+  } else {
+    tracers.intersector.prepare(set.rays.view(), set.query, threads);
+    time.prepare_ms = ms_since(start);
+    if (set.query == Query::closest)
+      trace_closest(tracers.intersector, set.rays, answers.hits, threads, counters);
+    else
+      trace_any(tracers.intersector, set.rays, answers.blocker, threads, counters);
+  }
   time.trace_ms = ms_since(start);
   time.cpu_ms = cpu_ms() - cpu_before;
   return time;
@@ -87,7 +96,7 @@ double estimate_pass_s(Intersector& intersector, const RaySet& set) {
   const RaySet few = sample_of(set, kBlocks);
   if (few.rays.size() == 0) return 0;
   Answers answers;
-  const PassTime time = run_pass(intersector, few, 1, answers);
+  const PassTime time = run_pass({intersector}, few, 1, answers);
   return time.trace_ms * 1e-3 * static_cast<double>(set.rays.size()) / static_cast<double>(few.rays.size());
 }
 

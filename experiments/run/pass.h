@@ -3,6 +3,8 @@
 #include <cstdint>
 
 #include "core/ray/generators.h"
+#include "core/render/first_hit.h"
+#include "core/render/occlusion.h"
 #include "core/trace/intersector.h"
 
 namespace raymeter {
@@ -26,8 +28,15 @@ struct PassTime {
   double cpu_ms = 0;
 };
 
+/// What answers a set's rays: the intersector, unless a slot's technique stands before it.
+struct Tracers {
+  Intersector& intersector;
+  FirstHit* first_hit = nullptr;   ///< for sets of eye rays
+  Occlusion* occlusion = nullptr;  ///< for sets of shadow rays
+};
+
 /// Traces the whole set once. Counters null: the timed kernels.
-PassTime run_pass(Intersector& intersector, const RaySet& rays, int threads, Answers& answers, Counters* counters = nullptr);
+PassTime run_pass(const Tracers& tracers, const RaySet& rays, int threads, Answers& answers, Counters* counters = nullptr);
 
 /// Up to `blocks` runs of kMaxPacket consecutive rays, spread evenly over the set: packets are as coherent as in the whole.
 [[nodiscard]] RaySet sample_of(const RaySet& set, std::size_t blocks);

@@ -86,7 +86,7 @@ void SceneRun::check(Live& live, const Verification& verification) {
   record.rays = static_cast<std::int64_t>(live.rays->rays.size());
   record.threads = cell.threads > 0 ? cell.threads : all_threads();
   record.counters.emplace();
-  const PassTime time = run_pass(*live.intersector, *live.rays, cell.threads, answers_, &*record.counters);
+  const PassTime time = run_pass(live.tracers(), *live.rays, cell.threads, answers_, &*record.counters);
   live.spent_s += time.trace_ms * 1e-3;
   const Verdicts verdicts = verification.judge(answers_);
   record.hit_hash = hex_text(answers_.hash());

@@ -142,13 +142,25 @@ void SceneRun::make_ray_sets() {
       end(cell, Status::skipped, "no such rays: nothing is hit, or the file is empty");
       continue;
     }
-    const QueryOptions query{cell.isa, cell.packet, cell.params};
-    live_.push_back({&cell, &rays, structures_.at(build_text(cell))->intersector(query)});
+    live_.push_back(make_live(cell, rays));
   }
 }
 
+SceneRun::Live SceneRun::make_live(const Experiment& cell, const RaySet& rays) const {
+  Live live;
+  live.cell = &cell;
+  live.rays = &rays;
+  live.intersector = structures_.at(build_text(cell))->intersector({cell.isa, cell.packet, cell.params});
+  const auto fill = [&](const auto& chosen, const auto& default_row, auto& slot) {
+    if (chosen.entry != &default_row) slot = chosen.entry->make(*scene_, {cell.isa, cell.packet, cell.threads, chosen.params}, *live.intersector);
+  };
+  fill(cell.first_hit, first_hits().front(), live.first_hit);
+  fill(cell.occlusion, occlusions().front(), live.occlusion);
+  return live;
+}
+
 RaySet SceneRun::make_ray_set(const Experiment& cell, const Intersector& tracer) const {
-  if (!cell.rays.file.empty()) return {read_rays_npy(cell.rays.file), cell.rays.any ? Query::any : Query::closest, {}};
+  if (!cell.rays.file.empty()) return {.rays = read_rays_npy(cell.rays.file), .query = cell.rays.any ? Query::any : Query::closest, .pixel = {}};
   const CameraModel model{scene_->camera, CameraConvention::pixel, cell.width, cell.height};
   return make_rays(*scene_, ray_kind_from_name(cell.rays.name).value(), model, cell.seed, tracer, 0);
 }

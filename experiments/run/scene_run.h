@@ -49,8 +49,11 @@ private:
     const Experiment* cell = nullptr;
     const RaySet* rays = nullptr;
     std::unique_ptr<Intersector> intersector;
-    double spent_s = 0;  ///< of timeout_s, in this session
-    double pass_s = 0;   ///< the last one
+    std::unique_ptr<FirstHit> first_hit;   ///< null where the slot holds its default
+    std::unique_ptr<Occlusion> occlusion;  ///< likewise
+    double spent_s = 0;                    ///< of timeout_s, in this session
+    double pass_s = 0;                     ///< the last one
+    [[nodiscard]] Tracers tracers() const noexcept { return {*intersector, first_hit.get(), occlusion.get()}; }
   };
 
   void skip_missing_isas();
@@ -58,6 +61,7 @@ private:
   void build_all();
   void build(const std::string& build, std::span<const Experiment* const> cells);
   void make_ray_sets();
+  [[nodiscard]] Live make_live(const Experiment& cell, const RaySet& rays) const;
   [[nodiscard]] RaySet make_ray_set(const Experiment& cell, const Intersector& tracer) const;
   void check_all();
   void check_group(std::span<Live* const> group);

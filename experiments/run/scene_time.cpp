@@ -61,7 +61,7 @@ void SceneRun::time_pass(Live& live, int round, bool warmup) {
     return;
   }
   context_.pinning.enter(cell.threads);
-  const PassTime time = run_pass(*live.intersector, *live.rays, cell.threads, answers_);
+  const PassTime time = run_pass(live.tracers(), *live.rays, cell.threads, answers_);
   context_.pinning.leave();
   live.pass_s = time.trace_ms * 1e-3;
   live.spent_s += live.pass_s;

@@ -6,7 +6,7 @@ namespace raymeter {
 
 Verification::Verification(const Oracle* oracle, const RaySet& rays, Intersector& reference, const VerifyOptions& options, std::uint64_t seed)
     : oracle_(oracle), rays_(rays), options_(options), seed_(seed) {
-  run_pass(reference, rays, 0, reference_);
+  run_pass({reference}, rays, 0, reference_);
   if (oracle_ != nullptr) accuracy_ = ask_oracle(rays.rays, reference_);
 }
 

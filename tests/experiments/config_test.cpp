@@ -47,8 +47,8 @@ TEST(Config, SaysWhichValueIsWrong) {
   EXPECT_EQ(message(config(R"(, "packet": [1, 2.5])")), "c.json: matrix.packet[1]: expected a whole number from 1 to 64, got 2.5");
   EXPECT_EQ(message(config(R"(, "packet": [])")), "c.json: matrix.packet: expected at least one value");
   EXPECT_EQ(message(config(R"(, "threads": "many")")), "c.json: matrix.threads: expected a whole number from 1 to 4096 or all, got \"many\"");
-  EXPECT_EQ(message(config(R"(, "first_hit": "zbuffer")")), "c.json: matrix.first_hit: expected cast, got \"zbuffer\"");
-  EXPECT_EQ(message(config(R"(, "occlusion": ["none", "shadow_cache"])")), "c.json: matrix.occlusion[1]: expected none, got \"shadow_cache\"");
+  EXPECT_EQ(message(config(R"(, "first_hit": 3)")), "c.json: matrix.first_hit: expected cast or an object, got 3");
+  EXPECT_EQ(message(config(R"(, "occlusion": ["none", "nune"])")), "c.json: matrix.occlusion[1]: expected none or an object, got \"nune\"; did you mean none?");
   EXPECT_EQ(message(config(R"(, "max_depth": 4)")), "c.json: matrix.max_depth: expected 5, got 4");
   EXPECT_EQ(message(config(R"(, "rays": "image")")),
             "c.json: matrix.rays: expected one of primary, shadow, reflection, ambient_occlusion, diffuse, random or a .npy file or an object, got \"image\"");

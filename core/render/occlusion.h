@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/column.h"
+#include "core/ray/ray_batch.h"
+#include "core/ray/shadow_origins.h"
+#include "core/trace/trace.h"
+
+namespace raymeter {
+
+/// Which shadow rays are blocked: the slot for techniques that know more of them than that they are rays. It stands before an intersector, which answers what
+/// the technique leaves open, and never changes which rays are blocked.
+class Occlusion {
+public:
+  virtual ~Occlusion() = default;
+  /// A frame or a pass begins: forgets what earlier rays taught, so that counts and times do not depend on them.
+  virtual void begin() {}
+  /// blocker[i]: some primitive that blocks ray i, -1 where it is free. Batches of a frame come in a fixed order, whatever the threads.
+  virtual void find(const RayBatch& rays, const ShadowOrigins& origins, Column<std::int32_t>& blocker, int threads, Counters* counters) = 0;
+};
+
+/// Shadow rays as any other rays.
+class TracedOcclusion final : public Occlusion {
+public:
+  explicit TracedOcclusion(Intersector& intersector) : intersector_(intersector) {}
+  void find(const RayBatch& rays, const ShadowOrigins&, Column<std::int32_t>& blocker, int threads, Counters* counters) override {
+    intersector_.prepare(rays.view(), Query::any, threads);
+    trace_any(intersector_, rays, blocker, threads, counters);
+  }
+
+private:
+  Intersector& intersector_;
+};
+
+}  // namespace raymeter

@@ -1,0 +1,98 @@
+// First hits and occlusions as slots of a technique: on the command line, in configs, in cells.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "accel/registry.h"
+#include "core/base/error.h"
+#include "experiments/config/expand.h"
+#include "experiments/record/catalog.h"
+
+namespace raymeter {
+namespace {
+
+Config parse(const std::string& matrix) {
+  const std::string text = R"({"name": "n", "matrix": {"scene": "spd:balls:1", "structure": ["list", {"name": "bvh"}])" + matrix + "}}";
+  return parse_config(text, "c.json", {}, [](const std::string&) -> const char* { return nullptr; });
+}
+
+template <class Act>
+std::string error_of(Act act) {
+  try {
+    act();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string error_of_technique(const char* text) {
+  return error_of([&] { (void)parse_technique(text); });
+}
+
+TEST(SlotsOfATechnique, HoldTheFirstRowsWhereNothingIsSaid) {
+  const TechniqueSpec spec = parse_technique("bvh:bins=8");
+  EXPECT_EQ(spec.structure->name, "bvh");
+  EXPECT_EQ(technique_text(spec.first_hit), "cast");
+  EXPECT_EQ(technique_text(spec.occlusion), "none");
+}
+
+TEST(SlotsOfATechnique, AreReadInAnyOrder) {
+  for (const char* text : {"grid+none+cast", "grid:density=2+cast+none", "grid+none", "grid+cast"}) {
+    const TechniqueSpec spec = parse_technique(text);
+    EXPECT_EQ(spec.structure->name, "grid") << text;
+    EXPECT_EQ(spec.first_hit.entry, &first_hit_entry("cast")) << text;
+    EXPECT_EQ(spec.occlusion.entry, &occlusion_entry("none")) << text;
+  }
+}
+
+TEST(SlotsOfATechnique, LeavePlusSignsToNumbers) { EXPECT_EQ(parse_technique("grid:density=2e+0").params, parse_technique("grid:density=2").params); }
+
+TEST(SlotsOfATechnique, SayWhatIsWrong) {
+  EXPECT_EQ(error_of_technique("bvh+nune"), "unknown technique 'nune'; did you mean none?");
+  EXPECT_EQ(error_of_technique("bvh+"), "unknown technique 'bvh+'; did you mean bvh?");
+  EXPECT_EQ(error_of_technique("bvh+cast+cast"), "cast: stands in the same slot as cast");
+  EXPECT_EQ(error_of_technique("bvh+grid"), "grid: stands in the same slot as bvh");
+  EXPECT_EQ(error_of_technique("cast"), "cast: comes after a structure, as in bvh+cast");
+  EXPECT_EQ(error_of_technique("bvh+none:key=light"), "none:key: unknown parameter; there are none");
+}
+
+TEST(SlotsOfAConfig, TakeNamesAndObjects) {
+  const std::vector<Experiment> names = expand(parse(R"(, "first_hit": "cast", "occlusion": ["none"], "rays": ["primary", "shadow"])"));
+  const std::vector<Experiment> objects = expand(parse(R"(, "first_hit": [{"name": "cast"}], "occlusion": {"name": "none"}, "rays": ["primary", "shadow"])"));
+  ASSERT_EQ(names.size(), 4u);
+  ASSERT_EQ(objects.size(), 4u);
+  for (std::size_t i = 0; i < names.size(); ++i) EXPECT_EQ(names[i].id, objects[i].id);
+  EXPECT_EQ(error_of([] { (void)parse(R"(, "occlusion": {"name": "shade"})"); }).substr(0, 56), "c.json: matrix.occlusion.name: unknown technique 'shade'");
+  EXPECT_EQ(error_of([] { (void)parse(R"(, "occlusion": {"name": "none", "key": 1})"); }).substr(0, 43), "c.json: matrix.occlusion.key: unknown key; ");
+}
+
+TEST(SlotsOfAConfig, DoNotChangeTheIdsOfCellsThatNameNone) {
+  // The id from before slots had tables, so that results of then can be compared with.
+  EXPECT_EQ(expand(parse(R"(, "isa": "scalar", "packet": 1)")).front().id, "af73846ce0eecfb0");
+}
+
+TEST(SlotsOfAConfig, AreFieldsOfCells) {
+  const Experiment cell = expand(parse("")).front();
+  EXPECT_EQ(field(cell, "first_hit"), "cast");
+  EXPECT_EQ(field(cell, "first_hit.name"), "cast");
+  EXPECT_EQ(field(cell, "occlusion"), "none");
+  EXPECT_EQ(technique_text(cell), "list:" + params_text(cell.params));
+  const std::vector<std::string> keys = field_keys();
+  for (const TechniqueInfo& technique : techniques()) {
+    for (const ParamInfo& info : technique.params()) {
+      EXPECT_TRUE(std::ranges::count(keys, std::string(technique.slot) + "." + std::string(info.key)) == 1) << info.key;
+    }
+  }
+}
+
+TEST(SlotsOfAConfig, AreKnownToTheCatalogue) {
+  const std::string json = techniques_json();
+  for (const TechniqueInfo& technique : techniques()) {
+    EXPECT_NE(json.find("\"name\": \"" + std::string(technique.name) + "\",\n    \"slot\": \"" + std::string(technique.slot) + '"'), std::string::npos);
+    EXPECT_EQ(technique_info(technique.name).slot, technique.slot);
+  }
+}
+
+}  // namespace
+}  // namespace raymeter
