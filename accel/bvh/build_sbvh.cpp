@@ -15,8 +15,8 @@
 
 #include "accel/bvh/box_builders.h"
 #include "accel/bvh/build_prims.h"
-#include "accel/bvh/split_reference.h"
 #include "core/base/threads.h"
+#include "core/bounds/split_reference.h"
 
 namespace raymeter {
 

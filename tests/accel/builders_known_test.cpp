@@ -9,7 +9,7 @@
 #include "accel/bvh/merge_leaves.h"
 #include "accel/bvh/morton_order.h"
 #include "accel/bvh/reinsertion.h"
-#include "accel/bvh/split_reference.h"
+#include "core/bounds/split_reference.h"
 #include "core/geometry/error_bounds.h"
 
 namespace raymeter {
