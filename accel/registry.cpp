@@ -8,6 +8,7 @@
 
 #include "accel/bvh/bvh.h"
 #include "accel/grid/grid.h"
+#include "accel/kdtree/kdtree.h"
 #include "accel/list/list.h"
 
 namespace raymeter {
@@ -15,7 +16,7 @@ namespace raymeter {
 namespace {
 
 // THE tables: a new technique is one folder and one row here.
-constexpr std::array kStructures{kListEntry, kBvhEntry, kGridEntry};
+constexpr std::array kStructures{kListEntry, kBvhEntry, kGridEntry, kKdTreeEntry, kBspEntry};
 constexpr std::array kFirstHits{kCastEntry};
 constexpr std::array kOcclusions{kNoneEntry};
 

@@ -1,0 +1,284 @@
+// Packet traversal of a k-d tree, front to back (Wald, Slusallek, Benthin, Wagner 2001), each ray with the interval [t_near, t_far] in which it is in the node;
+// a packet of one ray is the scalar algorithm of the literature (Havran 2000, TA_B rec). Memory: eight bytes a node (kd_layout.h). Departures from the papers:
+// rays of a packet may differ in direction signs, in which case each has its own near and far child and most rays' near child is visited first; the intervals
+// of the two children overlap by a margin.
+//
+// Events: node_visit when rays reach an inner node (N_TS), leaf_visit when they reach a leaf (N_ETS), empty_leaf_visit where that leaf holds nothing (N_EETS).
+// A ray is live in a node where its interval is not empty, so that it visits there what it would visit alone.
+//
+// Why no hit is lost. Let u be the unit roundoff and P = org + t dir a hit of a ray whose interval in the box of the scene is [t_begin, t_end]; with
+// R = |dir| max(|t_begin|, |t_end|), P and org are no further apart than R. Kernels promise (error_bounds.h) that P lies within 32 u (R + size) of a point Q of
+// the primitive or, for kinds that only keep to their boxes, within 16 u (R + extent) of a point Q of its box. Q is in the closed cell of a leaf that lists the
+// primitive: builders give every part of a primitive (or box) to the side of a plane that it is on, those in the plane to either. Each ray has a margin
+//     m = 48 u (R + size) + 2 u |org|
+// on each axis and goes on in the near child up to where it passes the plane's far side at distance m, in the far child from where it passes the near side:
+// near_org and far_org are the origin moved by m, so that t_leave = (plane - near_org) / dir, and the like. Let dir > 0 and Q be below the plane (other cases
+// are its mirror images). P is at most 32 u (R + size) beyond the plane, so t dir <= plane - org + m - 16 u R; forming near_org errs by u (|org| + m),
+// the difference, reciprocal and product by 3u of |plane - org + m|, which is at most 2R + m: t dir >= -R bounds it from below, and where plane - org > 2R
+// t_leave is beyond the interval anyway. m has room for both, so that t <= t_leave as computed. For dir = 0 the quotient is infinite with the sign that
+// keeps the ray on the sides it may touch, or NaN, which min and max drop: both. A reciprocal of a denormal component overflows likewise, and the ray moves less
+// than its margin. Where R overflows everything is visited. A ray leaves early only where its interval begins beyond its nearest hit.
+//
+// Mailbox. A primitive may be listed in several leaves. The last kSlots primitives that the packet has tested are remembered, each with the rays that have had
+// it (inverse mailboxing, Shevtsov, Soupikov, Kapustin 2007); the memory is the packet's own and starts empty, so that nothing depends on threads.
+//
+// Steps are bounded: a node is reached from its parent alone and at most once a packet, so that no ray visits more nodes than the tree has, whatever its
+// numbers. The stack holds one far child for each level above.
+
+#include "accel/kdtree/kd_kernel.h"
+
+#include "core/bounds/slab_kernel.h"
+#include "core/geometry/run_kernel.h"
+#include "core/ray/packet_loop.h"
+#include "core/stats/policy.h"
+
+namespace raymeter {
+
+namespace {
+
+/// The primitives that a packet has tested last.
+class KdMailbox {
+public:
+  void clear() noexcept {
+    for (Slot& slot : slots_) slot = {~0u, 0};
+  }
+  /// Those of `lanes` (bits of the packet) that have not met the primitive yet; they are taken to meet it now.
+  [[nodiscard]] std::uint64_t unmet(std::uint32_t prim, std::uint64_t lanes) noexcept {
+    Slot& slot = slots_[prim / kPrimKindCount % kSlots];
+    if (slot.prim != prim) slot = {prim, 0};
+    const std::uint64_t unmet = lanes & ~slot.met;
+    slot.met |= lanes;
+    return unmet;
+  }
+
+private:
+  static constexpr std::uint32_t kSlots = 16;
+  struct Slot {
+    std::uint32_t prim;
+    std::uint64_t met;
+  };
+  Slot slots_[kSlots];
+};
+
+/// A leaf's references, but for what the rays have met already.
+template <class L>
+struct KdRefs {
+  static constexpr bool kSelective = true;
+  const std::int32_t* list;
+  std::uint32_t kind;
+  KdMailbox* mailbox;  // null: test all
+
+  [[nodiscard]] std::int32_t index(std::int32_t k) const noexcept { return list[k]; }
+  [[nodiscard]] typename L::Mask wanted(typename L::Mask lanes, int group, std::int32_t k) const noexcept {
+    if (mailbox == nullptr) return lanes;
+    const int shift = group * L::kWidth;
+    const std::uint32_t prim = static_cast<std::uint32_t>(list[k]) * std::uint32_t{kPrimKindCount} + kind;
+    return L::mask(static_cast<std::uint32_t>(mailbox->unmet(prim, std::uint64_t{L::bits(lanes)} << shift) >> shift));
+  }
+};
+
+/// Far children that wait, and the intervals of the rays in them: [entry][near, far][group][lane].
+template <class L, int kGroups>
+struct KdStack {
+  float* rows;
+  std::uint64_t* groups;  // with live rays
+  std::int32_t* node;
+  std::int32_t row_floats;
+  std::int32_t size = 0;
+
+  KdStack(std::byte* scratch, std::int32_t capacity, std::int32_t group_count) noexcept
+      : rows(reinterpret_cast<float*>(scratch)),
+        groups(reinterpret_cast<std::uint64_t*>(rows + std::int64_t{2} * capacity * group_count * L::kWidth)),
+        node(reinterpret_cast<std::int32_t*>(groups + capacity)),
+        row_floats(group_count * L::kWidth) {}
+  [[nodiscard]] float* near_of(std::int32_t entry, int group) const noexcept {
+    return rows + std::int64_t{2} * entry * (kGroups > 0 ? kGroups * L::kWidth : row_floats) + group * L::kWidth;
+  }
+  [[nodiscard]] float* far_of(std::int32_t entry, int group) const noexcept {
+    return near_of(entry, group) + (kGroups > 0 ? kGroups * L::kWidth : row_floats);
+  }
+};
+
+/// A packet under way: where its rays are in the node that it has reached. Intervals mean something in registers of `groups` only, and are empty where a ray is
+/// not in the node.
+template <class L, int kGroups>
+struct KdTravellers {
+  using Float = typename L::Float;
+  static constexpr int kCapacity = Packet<L, kGroups>::kCapacity;
+
+  Packet<L, kGroups>& packet;
+  Float near_org[3][kCapacity];  ///< the origin moved back by the margin: meets a plane when its far side has been passed
+  Float far_org[3][kCapacity];   ///< moved ahead
+  Float t_near[kCapacity];
+  Float t_far[kCapacity];
+  std::uint64_t groups = 0;
+  std::int32_t order = 0;  ///< bit per axis: most rays go down it
+
+  KdTravellers(const KdView& tree, Packet<L, kGroups>& p) noexcept : packet(p) {
+    std::int32_t down[3] = {}, live_count = 0;
+    for (int g = 0; g < packet.group_count(); ++g) {
+      const RayPacket<L>& ray = packet.ray[g];
+      const SlabInterval<L> inside = intersect_box(ray, packet.hit[g].t, BoxPlanes<L, false>(tree.box, 0));
+      t_near[g] = inside.t_near;
+      t_far[g] = inside.t_far;
+      const std::uint32_t live = L::bits(t_near[g] <= t_far[g]);
+      if (live == 0) continue;
+      groups |= std::uint64_t{1} << g;
+      live_count += __builtin_popcount(live);
+      const Float speed = L::abs(ray.dir[0]) + L::abs(ray.dir[1]) + L::abs(ray.dir[2]);
+      const Float reach = speed * L::max(L::abs(t_near[g]), L::abs(t_far[g]));
+      for (int a = 0; a < 3; ++a) {
+        const Float margin = Float(48 * kUnitRoundoff) * (reach + Float(tree.largest_size)) + Float(2 * kUnitRoundoff) * L::abs(ray.org[a]);
+        const Float ahead = L::select(ray.negative[a], -margin, margin);
+        near_org[a][g] = ray.org[a] - ahead;
+        far_org[a][g] = ray.org[a] + ahead;
+        down[a] += __builtin_popcount(L::bits(ray.negative[a]) & live);
+      }
+    }
+    for (int a = 0; a < 3; ++a) order |= 2 * down[a] > live_count ? 1 << a : 0;
+  }
+
+  [[nodiscard]] typename L::Mask live(int g) const noexcept { return t_near[g] <= t_far[g]; }
+
+  /// Calls body(group) for each register with live rays.
+  template <class Body>
+  [[gnu::always_inline]] void for_each_group(Body body) const noexcept {
+    if constexpr (kGroups == 1) body(0);
+    else
+      for (std::uint64_t left = groups; left != 0; left &= left - 1) body(__builtin_ctzll(left));
+  }
+
+  template <Event e, class Stats>
+  void count_live(Stats stats) const noexcept {
+    if constexpr (Stats::kCounting) for_each_group([&](int g) noexcept { stats.template count<e, L>(live(g)); });
+  }
+};
+
+/// Goes on to the child that the rays meet first; the other one waits on the stack where any ray meets it too. Returns the node reached.
+template <bool kUniform, class L, int kGroups>
+[[gnu::always_inline]] inline std::int32_t descend(const KdNode& node, KdTravellers<L, kGroups>& rays, KdStack<L, kGroups>& stack) noexcept {
+  using Float = typename L::Float;
+  const auto axis = static_cast<std::int32_t>(node.tag());
+  const std::int32_t first = rays.order >> axis & 1;
+  const Float plane(node.plane());
+  std::uint64_t in_first = 0, in_second = 0;
+  rays.for_each_group([&](int g) noexcept {
+    const RayPacket<L>& ray = rays.packet.ray[g];
+    const Float t_near = rays.t_near[g], t_far = rays.t_far[g];
+    const Float leave = L::min((plane - rays.near_org[axis][g]) * ray.inv_dir[axis], t_far);
+    const Float enter = L::max((plane - rays.far_org[axis][g]) * ray.inv_dir[axis], t_near);
+    Float first_near = t_near, first_far = leave, second_near = enter, second_far = t_far;
+    if constexpr (!kUniform) {
+      const auto agrees = first != 0 ? ray.negative[axis] : ~ray.negative[axis];
+      first_near = L::select(agrees, t_near, enter);
+      first_far = L::select(agrees, leave, t_far);
+      second_near = L::select(agrees, enter, t_near);
+      second_far = L::select(agrees, t_far, leave);
+    }
+    in_first |= std::uint64_t{L::any(first_near <= first_far)} << g;
+    in_second |= std::uint64_t{L::any(second_near <= second_far)} << g;
+    rays.t_near[g] = first_near;
+    rays.t_far[g] = first_far;
+    L::store(stack.near_of(stack.size, g), second_near);
+    L::store(stack.far_of(stack.size, g), second_far);
+  });
+  const std::int32_t child = node.first_child();
+  if (in_first == 0) {
+    rays.groups = in_second;
+    rays.for_each_group([&](int g) noexcept {
+      rays.t_near[g] = L::load(stack.near_of(stack.size, g));
+      rays.t_far[g] = L::load(stack.far_of(stack.size, g));
+    });
+    return child + (first ^ 1);
+  }
+  rays.groups = in_first;
+  if (in_second != 0) {
+    stack.node[stack.size] = child + (first ^ 1);
+    stack.groups[stack.size++] = in_second;
+  }
+  return child + first;
+}
+
+/// Takes up the topmost entry in which a ray is still live; -1 where there is none.
+template <class L, int kGroups>
+inline std::int32_t resume(KdTravellers<L, kGroups>& rays, KdStack<L, kGroups>& stack) noexcept {
+  while (stack.size > 0) {
+    --stack.size;
+    rays.groups = stack.groups[stack.size];
+    std::uint64_t in_node = 0;
+    rays.for_each_group([&](int g) noexcept {
+      rays.t_near[g] = L::load(stack.near_of(stack.size, g));
+      rays.t_far[g] = L::min(L::load(stack.far_of(stack.size, g)), rays.packet.hit[g].t);
+      in_node |= std::uint64_t{L::any(rays.live(g))} << g;
+    });
+    rays.groups = in_node;
+    if (in_node != 0) return stack.node[stack.size];
+  }
+  return -1;
+}
+
+template <Query Q, class L, int kGroups, class Stats>
+inline void visit_leaf(const KdView& tree, const KdNode& leaf, KdTravellers<L, kGroups>& rays, KdMailbox* mailbox, Stats stats) noexcept {
+  rays.template count_live<Event::leaf_visit>(stats);
+  if (leaf.empty()) {
+    rays.template count_live<Event::empty_leaf_visit>(stats);
+    return;
+  }
+  typename L::Mask lanes[KdTravellers<L, kGroups>::kCapacity];
+  for (int g = 0; g < rays.packet.group_count(); ++g) lanes[g] = L::mask(0);
+  rays.for_each_group([&](int g) noexcept { lanes[g] = rays.live(g); });
+  const auto test = [&](PrimKind kind, std::int32_t first, std::int32_t count) noexcept {
+    const KdRefs<L> refs{tree.refs + first, static_cast<std::uint32_t>(kind), mailbox};
+    test_refs<Q, L, kGroups>(rays.packet, lanes, tree.pools, kind, count, refs, stats);
+  };
+  if (leaf.tag() != KdNode::kRuns) {
+    test(static_cast<PrimKind>(leaf.tag() - KdNode::kKind), leaf.first(), leaf.count());
+    return;
+  }
+  for (std::int32_t r = leaf.first(); r < leaf.first() + leaf.count(); ++r) test(tree.runs[r].kind(), tree.runs[r].first, tree.runs[r].count());
+}
+
+template <Query Q, bool kUniform, class L, int kGroups, class Stats>
+void traverse(const KdView& tree, KdTravellers<L, kGroups>& rays, KdStack<L, kGroups>& stack, Stats stats) noexcept {
+  KdMailbox mailbox;
+  if (tree.mailbox) mailbox.clear();
+  for (std::int32_t at = rays.groups != 0 ? 0 : -1; at >= 0;) {
+    const KdNode& node = tree.nodes[at];
+    if (!node.leaf()) {
+      rays.template count_live<Event::node_visit>(stats);
+      at = descend<kUniform>(node, rays, stack);
+      continue;
+    }
+    visit_leaf<Q>(tree, node, rays, tree.mailbox ? &mailbox : nullptr, stats);
+    at = resume(rays, stack);
+  }
+}
+
+template <Query Q, class L, class Stats>
+void trace(const KdView& tree, const TraceArgs& args, Stats stats) noexcept {
+  with_groups<L>(args.packet, [&]<int kGroups>() noexcept {
+    KdStack<L, kGroups> stack(args.scratch, tree.stack_capacity, (args.packet + L::kWidth - 1) / L::kWidth);
+    for_each_packet<Q, L, kGroups>(args, [&](Packet<L, kGroups>& packet) noexcept {
+      KdTravellers<L, kGroups> rays(tree, packet);
+      if (packet.shared_octant() >= 0) traverse<Q, true>(tree, rays, stack, stats);
+      else traverse<Q, false>(tree, rays, stack, stats);
+    });
+  });
+}
+
+}  // namespace
+
+template <Isa I, class Stats>
+void KdKernel<I, Stats>::closest(const KdView& tree, const TraceArgs& args, Counters* counters) noexcept {
+  trace<Query::closest, Lanes<I>>(tree, args, Stats(counters));
+}
+
+template <Isa I, class Stats>
+void KdKernel<I, Stats>::any(const KdView& tree, const TraceArgs& args, Counters* counters) noexcept {
+  trace<Query::any, Lanes<I>>(tree, args, Stats(counters));
+}
+
+template struct KdKernel<kKernelIsa, NoStats>;
+template struct KdKernel<kKernelIsa, CountStats>;
+
+}  // namespace raymeter
