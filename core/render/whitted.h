@@ -24,6 +24,8 @@ struct RayCounts {
   std::int64_t tir = 0;
   std::int64_t shadow = 0;
   std::int64_t shadow_blocked = 0;
+
+  [[nodiscard]] std::int64_t all() const noexcept { return primary + reflection + refraction + shadow; }
   friend bool operator==(const RayCounts&, const RayCounts&) = default;
 };
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include <glm/vec3.hpp>
@@ -33,6 +34,13 @@ inline constexpr std::array kCameraConventions{CameraConvention::spd, CameraConv
 [[nodiscard]] constexpr std::string_view name(CameraConvention convention) noexcept {
   constexpr std::array<std::string_view, kCameraConventions.size()> names{"spd", "havran", "pixel"};
   return names[static_cast<std::size_t>(convention)];
+}
+
+[[nodiscard]] constexpr std::optional<CameraConvention> camera_convention_from_name(std::string_view text) noexcept {
+  for (const CameraConvention convention : kCameraConventions) {
+    if (name(convention) == text) return convention;
+  }
+  return std::nullopt;
 }
 
 /// Which eye rays an image has. Pixels are square: where width and height differ, the field of view is that of the vertical axis.

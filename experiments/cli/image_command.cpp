@@ -55,9 +55,7 @@ std::optional<Size> chosen_size(const std::string& text) {
 }
 
 CameraConvention chosen_camera(const std::string& text) {
-  for (const CameraConvention convention : kCameraConventions) {
-    if (name(convention) == text) return convention;
-  }
+  if (const auto convention = camera_convention_from_name(text)) return *convention;
   throw Error("--camera: expected spd, havran or pixel, got '" + text + "'");
 }
 

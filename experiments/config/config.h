@@ -56,6 +56,7 @@ struct Config {
   std::uint64_t seed = 1;
   Matrix matrix;
   std::vector<Pattern> exclude;
+  CameraConvention camera = CameraConvention::pixel;
   int width = 512;
   int height = 512;
   MeasureOptions measure;

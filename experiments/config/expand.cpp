@@ -53,8 +53,13 @@ Chosen<Entry> default_of(std::span<const Entry> rows) {
   return {&rows.front(), rows.front().resolve({})};
 }
 
-/// A slot that the cell's rays do not come by holds its default, so that a record never names a technique that had no part in it.
+/// A slot that the cell's rays do not come by holds its default, so that a record never names a technique that had no part in it. Likewise depths where rays
+/// have none: cells that differ in nothing else are one.
 void settle(Experiment& e) {
+  if (!e.rays.image()) {
+    e.max_depth = Experiment{}.max_depth;
+    e.min_weight = Experiment{}.min_weight;
+  }
   if (!takes_first_hit(e.rays)) e.first_hit = default_of(first_hits());
   if (!takes_occlusion(e.rays)) e.occlusion = default_of(occlusions());
 }
@@ -73,6 +78,7 @@ std::vector<Experiment> scene_cells(const Config& config, const SceneChoice& sce
   std::vector<Experiment> cells;
   Experiment e;
   e.scene = scene;
+  e.camera = config.camera;
   e.width = config.width;
   e.height = config.height;
   e.seed = config.seed;
@@ -156,8 +162,8 @@ std::vector<Experiment> expand(const Config& config, const Pattern& filter, cons
   if (const double count = cell_count(config); count > kMaxCells)
     throw Error(fmt::format("{}: matrix has {:g} cells, expected at most {:g}", config.path, count, kMaxCells));
   const Matrix& m = config.matrix;
-  check_use(m.first_hit, first_hits(), m.rays, takes_first_hit, "primary");
-  check_use(m.occlusion, occlusions(), m.rays, takes_occlusion, "shadow");
+  check_use(m.first_hit, first_hits(), m.rays, takes_first_hit, "primary or image");
+  check_use(m.occlusion, occlusions(), m.rays, takes_occlusion, "shadow or image");
   std::vector<Experiment> cells;
   std::set<std::string> seen;
   for (std::size_t s = 0; s < config.matrix.scene.size(); ++s) {
@@ -173,20 +179,21 @@ std::vector<Experiment> expand(const Config& config, const Pattern& filter, cons
 }
 
 std::string canonical_json(const Experiment& e) {
-  const nlohmann::json json{{"scene", e.scene.name},
-                            {"structure", e.structure->name},
-                            {"params", to_json(e.params)},
-                            {"first_hit", technique_text(e.first_hit)},
-                            {"occlusion", technique_text(e.occlusion)},
-                            {"max_depth", e.max_depth},
-                            {"min_weight", e.min_weight},
-                            {"isa", name(e.isa)},
-                            {"packet", e.packet},
-                            {"rays", e.rays.name},
-                            {"seed", e.seed},
-                            {"threads", threads_text(e.threads)},
-                            {"width", e.width},
-                            {"height", e.height}};
+  nlohmann::json json{{"scene", e.scene.name},
+                      {"structure", e.structure->name},
+                      {"params", to_json(e.params)},
+                      {"first_hit", technique_text(e.first_hit)},
+                      {"occlusion", technique_text(e.occlusion)},
+                      {"max_depth", e.max_depth},
+                      {"min_weight", e.min_weight},
+                      {"isa", name(e.isa)},
+                      {"packet", e.packet},
+                      {"rays", e.rays.name},
+                      {"seed", e.seed},
+                      {"threads", threads_text(e.threads)},
+                      {"width", e.width},
+                      {"height", e.height}};
+  if (e.camera != CameraConvention::pixel) json["camera"] = name(e.camera);
   return json.dump();
 }
 

@@ -31,8 +31,8 @@ bool field_matches(const Experiment& experiment, const std::string& key, const s
 
 }  // namespace
 
-bool takes_first_hit(const RaysChoice& rays) noexcept { return rays.name == "primary"; }
-bool takes_occlusion(const RaysChoice& rays) noexcept { return rays.name == "shadow"; }
+bool takes_first_hit(const RaysChoice& rays) noexcept { return rays.name == "primary" || rays.image(); }
+bool takes_occlusion(const RaysChoice& rays) noexcept { return rays.name == "shadow" || rays.image(); }
 
 std::string technique_text(const Experiment& e) {
   std::string text = technique_text(e.structure->name, e.params);

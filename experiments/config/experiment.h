@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "accel/registry.h"
+#include "core/render/termination.h"
+#include "core/scene/camera.h"
 #include "core/simd/isa.h"
 
 namespace raymeter {
@@ -18,11 +20,13 @@ struct SceneChoice {
   std::string spec;  ///< for load_scene
 };
 
-/// A ray set of the matrix: a generator's name, or a .npy file with the query it is for.
+/// What a cell traces: a ray set by its generator's name or as a .npy file with the query it is for, or "image", complete frames.
 struct RaysChoice {
   std::string name;  ///< as the config has it; "FILE:any" for a file's any-hit queries
   std::string file;  ///< path of a .npy file, empty for generated rays
   bool any = false;  ///< files only
+
+  [[nodiscard]] bool image() const noexcept { return name == "image"; }
 };
 
 /// One cell of the matrix, fully resolved: what is measured. How often and how carefully is in Config.
@@ -30,16 +34,17 @@ struct Experiment {
   std::string id;  ///< hash of the canonical JSON of everything below but the specs and paths
   SceneChoice scene;
   const StructureEntry* structure = nullptr;
-  ParamValues params;                ///< all of the structure's
-  Chosen<FirstHitEntry> first_hit;   ///< the default where the rays have no first hit of the eye: see takes_first_hit()
-  Chosen<OcclusionEntry> occlusion;  ///< the default where the rays are no shadow rays: see takes_occlusion()
-  int max_depth = 0;
-  double min_weight = 0;
+  ParamValues params;                       ///< all of the structure's
+  Chosen<FirstHitEntry> first_hit;          ///< the default where the rays have no first hit of the eye: see takes_first_hit()
+  Chosen<OcclusionEntry> occlusion;         ///< the default where the rays are no shadow rays: see takes_occlusion()
+  int max_depth = Termination{}.max_depth;  ///< of frames; where ray sets are traced it stays as it is here
+  double min_weight = 0;                    ///< likewise
   Isa isa = Isa::scalar;
   int packet = 1;
   RaysChoice rays;
   int threads = 1;  ///< 0: all
-  int width = 0;    ///< pixels of the rays' camera
+  CameraConvention camera = CameraConvention::pixel;
+  int width = 0;  ///< pixels of the rays' camera
   int height = 0;
   std::uint64_t seed = 0;
 };

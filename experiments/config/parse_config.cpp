@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -98,6 +99,14 @@ void parse_list(const Json& object, const std::string& key, const std::string& p
   for (std::size_t i = 0; i < values.size(); ++i) out.push_back(parse(values[i], list ? fmt::format("{}{}[{}]", prefix, key, i) : prefix + key));
 }
 
+/// Depths are of images: a config that names some and has no image means something that it does not say.
+void check_depths(const Matrix& m) {
+  if (std::any_of(m.rays.begin(), m.rays.end(), [](const RaysChoice& rays) { return rays.image(); })) return;
+  const Matrix ray_sets;
+  if (m.max_depth != ray_sets.max_depth) throw Error("matrix.max_depth: ray sets have no depth, expected \"image\" among matrix.rays");
+  if (m.min_weight != ray_sets.min_weight) throw Error("matrix.min_weight: ray sets have no weights, expected \"image\" among matrix.rays");
+}
+
 Matrix parse_matrix(const Json& json, const Environment& environment) {
   Matrix m;
   const auto list = [&](const char* key, auto& out, auto&& parse) { parse_list(json, key, "matrix.", out, parse); };
@@ -112,6 +121,7 @@ Matrix parse_matrix(const Json& json, const Environment& environment) {
   list("packet", m.packet, whole);
   list("rays", m.rays, [&](const Json& value, const std::string& path) { return parse_rays(value, environment, path); });
   list("threads", m.threads, [](const Json& value, const std::string&) { return value.is_string() ? 0 : value.get<int>(); });
+  check_depths(m);
   return m;
 }
 
@@ -128,6 +138,7 @@ Config parse_document(const Json& json, const Environment& environment) {
   config.matrix = parse_matrix(json["matrix"], environment);
   parse_list(json, "exclude", "", config.exclude, [](const Json& value, const std::string&) { return parse_pattern(value); });
   const Json image = json.value("image", Json::object());
+  if (image.contains("camera")) config.camera = camera_convention_from_name(image["camera"].get<std::string>()).value();
   take(image, "width", config.width);
   take(image, "height", config.height);
   const Json measure = json.value("measure", Json::object());

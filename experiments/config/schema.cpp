@@ -82,7 +82,7 @@ Json scene_schema() {
 }
 
 Json rays_schema() {
-  const Json kinds{{"type", "string"}, {"enum", {"primary", "shadow", "reflection", "ambient_occlusion", "diffuse", "random"}}};
+  const Json kinds{{"type", "string"}, {"enum", {"primary", "shadow", "reflection", "ambient_occlusion", "diffuse", "random", "image"}}};
   const Json file{{"type", "string"}, {"pattern", "\\.npy$"}, {"description", "a .npy file"}};
   const Json query{{"type", "string"}, {"enum", {"closest", "any"}}};
   const Json object = closed_object({{"file", file}, {"query", query}}, {"file"});
@@ -91,15 +91,16 @@ Json rays_schema() {
 
 Json matrix_schema() {
   const Json threads{{"anyOf", {integer(1, 4096), {{"const", "all"}}}}};
+  const Json weight{{"type", "number"}, {"minimum", 0}};
   return closed_object({{"scene", sweep(scene_schema(), "generators (spd:balls:4, gen:terrain:100000) or files")},
                         {"structure", sweep(slot_schema("structure"), "acceleration structures, and their parameters")},
                         {"first_hit", sweep(slot_schema("first_hit"), "how eye rays find their first hit; other rays take the default")},
                         {"occlusion", sweep(slot_schema("occlusion"), "what is tried before a shadow ray is traced; other rays take the default")},
-                        {"max_depth", sweep({{"enum", {5}}}, "recursion of whole images, which are not measured yet")},
-                        {"min_weight", sweep({{"enum", {0}}}, "least weight of a ray of whole images, which are not measured yet")},
+                        {"max_depth", sweep(integer(1, 100), "greatest depth of an image's rays, the eye ray having 1; ray sets have none")},
+                        {"min_weight", sweep(weight, "least share of its pixel with which an image's ray is followed; 0 cuts nothing")},
                         {"isa", sweep(isa_schema(), "instruction sets; one that the machine lacks is recorded as skipped; best: the machine's best")},
                         {"packet", sweep(integer(1, kMaxPacket), "rays per packet; 1 traces rays one by one")},
-                        {"rays", sweep(rays_schema(), "ray sets; .npy files are for closest unless they say query: any")},
+                        {"rays", sweep(rays_schema(), "ray sets, or image: complete frames; .npy files are for closest unless they say query: any")},
                         {"threads", sweep(threads, "number of threads, or all")}},
                        {"scene", "structure"});
 }
@@ -127,7 +128,10 @@ Json measure_schema() {
 }  // namespace
 
 nlohmann::ordered_json config_schema() {
-  const Json image = closed_object({{"width", integer(1, 32768)}, {"height", integer(1, 32768)}});
+  Json cameras = Json::array();
+  for (const CameraConvention convention : kCameraConventions) cameras.push_back(name(convention));
+  const Json camera = described({{"enum", cameras}}, "where samples lie, and an image's rules of surfaces; default: pixel");
+  const Json image = closed_object({{"camera", camera}, {"width", integer(1, 32768)}, {"height", integer(1, 32768)}});
   const Json verify =
       closed_object({{"oracle", described({{"type", "boolean"}}, "hold hits against the exact oracle")},
                      {"max_tests", described({{"type", "number"}, {"minimum", 0}}, "ray-primitive tests of one verification; beyond, rays are sampled")},
@@ -138,7 +142,7 @@ nlohmann::ordered_json config_schema() {
                   {"seed", described(integer(0, std::int64_t{1} << 53), "of generated rays and of the order of samples")},
                   {"matrix", described(matrix_schema(), "the product of all lists is measured")},
                   {"exclude", {{"type", "array"}, {"items", pattern_schema()}, {"description", "cells that are not measured"}}},
-                  {"image", described(image, "pixels of the camera that makes the rays")},
+                  {"image", described(image, "the camera that makes the rays, and the pixels of images")},
                   {"measure", measure_schema()},
                   {"verify", verify}};
   Json schema{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "raymeter experiment"}};

@@ -72,7 +72,7 @@ struct Run {
 
 std::vector<std::string> changes(const CheckRecord& base, const CheckRecord& with) {
   std::vector<std::string> changed;
-  if (base.hit_hash != with.hit_hash) changed.emplace_back("hits");
+  if (base.hit_hash != with.hit_hash) changed.emplace_back(base.frame ? "image" : "hits");
   const nlohmann::json a = to_json(*base.counters);
   const nlohmann::json b = to_json(*with.counters);
   for (const auto& [name, value] : a.items()) {

@@ -16,8 +16,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json entry(const Experiment& cell, const CheckRecord& check, const SampleRecord& sample, int index, int repetitions) {
-  const std::string name = fmt::format("{}/{}/{}/packet:{}/{}/threads:{}", cell.scene.name, technique_text(cell), raymeter::name(cell.isa), cell.packet,
-                                       cell.rays.name, check.threads);
+  std::string name = fmt::format("{}/{}/{}/packet:{}/{}/threads:{}", cell.scene.name, technique_text(cell), raymeter::name(cell.isa), cell.packet,
+                                 cell.rays.name, check.threads);
+  if (cell.rays.image()) name += fmt::format("/max_depth:{}/min_weight:{}", cell.max_depth, to_string(ParamValue(cell.min_weight)));
   const double rays_per_s = static_cast<double>(sample.rays) / (sample.trace_ms * 1e-3);
   Json json{{"name", name},
             {"family_index", index},
@@ -32,6 +33,9 @@ Json entry(const Experiment& cell, const CheckRecord& check, const SampleRecord&
             {"cpu_time", sample.cpu_ms},
             {"time_unit", "ms"},
             {"items_per_second", rays_per_s}};
+  if (sample.phases) {
+    for (const FramePhase phase : kFramePhases) json[fmt::format("{}_ms", raymeter::name(phase))] = (*sample.phases)[static_cast<std::size_t>(phase)].ms;
+  }
   if (check.counters && check.counters->ray_count > 0) {
     const auto rays = static_cast<double>(check.counters->ray_count);
     json["node_visits_per_ray"] = static_cast<double>(check.counters->live(Event::node_visit)) / rays;

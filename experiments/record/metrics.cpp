@@ -15,10 +15,10 @@ using enum Better;
 constexpr std::array kMetrics{
     Metric{Table::samples, "sample", neither, "number of the timed pass, from 0"},
     Metric{Table::samples, "order_index", neither, "place in the order in which the run took its samples"},
-    Metric{Table::samples, "trace_ms", lower, "time of the pass: prepare and trace, without making rays"},
+    Metric{Table::samples, "trace_ms", lower, "time of the pass: prepare and trace, without making rays; of images a whole frame, or one phase of it"},
     Metric{Table::samples, "rays_traced", exact, "rays of the pass"},
     Metric{Table::samples, "mrays_per_s", higher, "million rays per second"},
-    Metric{Table::samples, "ns_per_ray", lower, "trace_ms / rays_traced"},
+    Metric{Table::samples, "ns_per_ray", lower, "trace_ms / rays_traced; shading is shared out among all rays of the frame"},
     Metric{Table::samples, "status", neither, "ok, or wrong where the pass gave other hits than the verified ones"},
 
     Metric{Table::builds, "build_ms", lower, "time to build the structure from the scene (T_B)"},
@@ -75,9 +75,25 @@ constexpr std::array kMetrics{
     Metric{Table::accuracy, "t_ulp_p50", lower, "distance's error in units in the last place, median"},
     Metric{Table::accuracy, "t_ulp_p99", lower, "the same, 99th percentile"},
     Metric{Table::accuracy, "t_ulp_max", lower, "the same, largest"},
-    Metric{Table::accuracy, "image_rmse", lower, "of whole images, against the reference technique's"},
-    Metric{Table::accuracy, "image_psnr", higher, "of whole images"},
-    Metric{Table::accuracy, "image_ssim", higher, "of whole images"},
+    Metric{Table::accuracy, "image_rmse", lower,
+           "of images, against the reference technique's that is cut nowhere (min_weight 0): root of the mean squared difference of radiance"},
+    Metric{Table::accuracy, "image_psnr", higher, "likewise, in decibels, white being the peak; inf where the images are equal"},
+    Metric{Table::accuracy, "image_ssim", higher, "likewise, as shown (Wang et al. 2004); empty where a side is below 11 pixels"},
+
+    Metric{Table::frames, "rays", exact, "rays of a frame: eye, reflection, refraction and shadow rays"},
+    Metric{Table::frames, "primary", exact, "eye rays"},
+    Metric{Table::frames, "primary_hit", exact, "those that hit"},
+    Metric{Table::frames, "reflection", exact, "reflection rays, those for total reflection among them"},
+    Metric{Table::frames, "reflection_hit", exact, "those that hit"},
+    Metric{Table::frames, "refraction", exact, "refraction rays"},
+    Metric{Table::frames, "refraction_hit", exact, "those that hit"},
+    Metric{Table::frames, "tir", exact, "refractions that are totally reflected"},
+    Metric{Table::frames, "shadow", exact, "shadow rays"},
+    Metric{Table::frames, "shadow_blocked", exact, "those that are blocked"},
+    Metric{Table::frames, "rays_saved", higher, "rays that the image which is cut nowhere has more"},
+    Metric{Table::frames, "mean_depth", lower, "mean over the eye rays of the deepest ray that comes of each"},
+    Metric{Table::frames, "deepest", exact, "depth of the deepest ray"},
+    Metric{Table::frames, "generations", exact, "eye, reflection and refraction rays of depth 1, 2, ..."},
 
     Metric{Table::summary, "n", neither, "timed passes"},
     Metric{Table::summary, "median_ns_per_ray", lower, "median over the passes"},
@@ -94,14 +110,14 @@ constexpr std::array kMetrics{
     Metric{Table::summary, "ratio_vs_ref", lower, "time against the reference cell's: median over the passes that ran side by side"},
     Metric{Table::summary, "ratio_lo", neither, "distribution-free 95 % interval of that median, lower end"},
     Metric{Table::summary, "ratio_hi", neither, "upper end"},
-    Metric{Table::summary, "hit_mismatch", exact, "rays whose hit differs from the reference technique's or from the oracle"},
+    Metric{Table::summary, "hit_mismatch", exact, "rays whose hit, or pixels whose colour, differ from the reference technique's or from the oracle"},
     Metric{Table::summary, "status", neither, "ok, wrong, skipped, timeout, failed or unfinished"},
 };
 
 }  // namespace
 
 std::string_view name(Table table) noexcept {
-  constexpr std::array<std::string_view, 5> names{"samples", "builds", "counters", "accuracy", "summary"};
+  constexpr std::array<std::string_view, 6> names{"samples", "builds", "counters", "accuracy", "frames", "summary"};
   return names[static_cast<std::size_t>(table)];
 }
 

@@ -8,7 +8,7 @@
 namespace raymeter {
 
 /// The derived tables; each is a CSV file of a results folder.
-enum class Table : unsigned char { samples, builds, counters, accuracy, summary };
+enum class Table : unsigned char { samples, builds, counters, accuracy, frames, summary };
 [[nodiscard]] std::string_view name(Table table) noexcept;
 
 /// Which direction is good; `exact` values must not change at all.

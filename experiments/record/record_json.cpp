@@ -4,6 +4,7 @@
 
 #include "experiments/record/build_json.h"
 #include "experiments/record/counter_columns.h"
+#include "experiments/record/frame_json.h"
 
 namespace raymeter {
 
@@ -65,15 +66,19 @@ CheckRecord check_from_json(const nlohmann::json& json) {
                      json.at("hit_hash"),
                      optional_value<std::int64_t>(json.at("hit_mismatch")),
                      std::nullopt,
+                     std::nullopt,
                      std::nullopt};
   if (!json.at("counters").is_null()) record.counters = counters_from_json(json.at("counters"));
   if (!json.at("accuracy").is_null()) record.accuracy = accuracy_from_json(json.at("accuracy"));
+  if (json.contains("frame")) record.frame = frame_from_json(json["frame"]);
   return record;
 }
 
 SampleRecord sample_from_json(const nlohmann::json& json) {
-  return {json.at("cell"),     json.at("sample"), json.at("order_index"), json.at("prepare_ms"),
-          json.at("trace_ms"), json.at("cpu_ms"), json.at("rays"),        json.at("ok")};
+  SampleRecord record{json.at("cell"),     json.at("sample"), json.at("order_index"), json.at("prepare_ms"),
+                      json.at("trace_ms"), json.at("cpu_ms"), json.at("rays"),        json.at("ok")};
+  if (json.contains("phases")) record.phases = phases_from_json(json["phases"]);
+  return record;
 }
 
 }  // namespace
@@ -91,28 +96,32 @@ Json to_json(const BuildRecord& record) {
 }
 
 Json to_json(const CheckRecord& record) {
-  return {{"type", "check"},
-          {"cell", record.cell},
-          {"status", name(record.status)},
-          {"reason", record.reason},
-          {"rays", optional_json(record.rays)},
-          {"threads", record.threads},
-          {"hit_hash", record.hit_hash},
-          {"hit_mismatch", optional_json(record.hit_mismatch)},
-          {"counters", record.counters ? to_json(*record.counters) : Json(nullptr)},
-          {"accuracy", record.accuracy ? to_json(*record.accuracy) : Json(nullptr)}};
+  Json json{{"type", "check"},
+            {"cell", record.cell},
+            {"status", name(record.status)},
+            {"reason", record.reason},
+            {"rays", optional_json(record.rays)},
+            {"threads", record.threads},
+            {"hit_hash", record.hit_hash},
+            {"hit_mismatch", optional_json(record.hit_mismatch)},
+            {"counters", record.counters ? to_json(*record.counters) : Json(nullptr)},
+            {"accuracy", record.accuracy ? to_json(*record.accuracy) : Json(nullptr)}};
+  if (record.frame) json["frame"] = to_json(*record.frame);
+  return json;
 }
 
 Json to_json(const SampleRecord& record) {
-  return {{"type", "sample"},
-          {"cell", record.cell},
-          {"sample", record.sample},
-          {"order_index", record.order_index},
-          {"prepare_ms", record.prepare_ms},
-          {"trace_ms", record.trace_ms},
-          {"cpu_ms", record.cpu_ms},
-          {"rays", record.rays},
-          {"ok", record.ok}};
+  Json json{{"type", "sample"},
+            {"cell", record.cell},
+            {"sample", record.sample},
+            {"order_index", record.order_index},
+            {"prepare_ms", record.prepare_ms},
+            {"trace_ms", record.trace_ms},
+            {"cpu_ms", record.cpu_ms},
+            {"rays", record.rays},
+            {"ok", record.ok}};
+  if (record.phases) json["phases"] = to_json(*record.phases);
+  return json;
 }
 
 Json to_json(const EndRecord& record) { return {{"type", "end"}, {"cell", record.cell}, {"status", name(record.status)}, {"reason", record.reason}}; }

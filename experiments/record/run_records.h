@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -8,7 +9,9 @@
 #include <vector>
 
 #include "accel/technique.h"
+#include "core/render/whitted.h"
 #include "core/stats/counters.h"
+#include "experiments/image/image_error.h"
 
 namespace raymeter {
 
@@ -45,6 +48,15 @@ struct AccuracyRecord {
   std::optional<double> t_ulp_p50, t_ulp_p99, t_ulp_max;
 };
 
+/// What one frame consists of and how far it is from the one that is cut nowhere (min_weight 0, same max_depth).
+struct FrameRecord {
+  RayCounts rays;
+  DepthCounts depth;
+  std::array<Counters, kFramePhases.size()> counters;  ///< by phase
+  std::int64_t rays_full = 0;                          ///< of the frame that is cut nowhere
+  ImageError error;
+};
+
 /// A cell before its timed passes: verified and counted, or why not.
 struct CheckRecord {
   std::string cell;
@@ -52,11 +64,19 @@ struct CheckRecord {
   std::string reason;  ///< empty where ok
   std::optional<std::int64_t> rays;
   int threads = 1;       ///< that ran, "all" resolved
-  std::string hit_hash;  ///< of hits, or of which rays are blocked; empty where not traced
+  std::string hit_hash;  ///< of hits or pixels, or of which rays are blocked; empty where not traced
   std::optional<std::int64_t> hit_mismatch;
   std::optional<Counters> counters;
   std::optional<AccuracyRecord> accuracy;
+  std::optional<FrameRecord> frame;  ///< of images
 };
+
+/// A phase's part of one timed frame.
+struct PhaseSample {
+  double ms = 0;
+  std::int64_t rays = 0;
+};
+using PhaseSamples = std::array<PhaseSample, kFramePhases.size()>;
 
 struct SampleRecord {
   std::string cell;
@@ -66,7 +86,8 @@ struct SampleRecord {
   double trace_ms = 0;  ///< prepare included
   double cpu_ms = 0;    ///< processor time of all threads meanwhile
   std::int64_t rays = 0;
-  bool ok = true;  ///< whether the hits were the verified ones
+  bool ok = true;                        ///< whether the hits were the verified ones
+  std::optional<PhaseSamples> phases{};  ///< of images
 };
 
 /// A cell that ends without all of its samples.

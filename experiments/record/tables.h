@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,8 @@ namespace raymeter {
 [[nodiscard]] std::string cell_id(const Experiment& cell, const RunRecords& records);
 /// The structure and those of its parameters that need a build of their own.
 [[nodiscard]] std::string build_text(const Experiment& cell);
-/// Times of the cell's samples in ns per ray, in the samples' order; none where its hits are wrong.
-[[nodiscard]] std::vector<double> ns_per_ray(const RunRecords& records, const std::string& cell);
+/// Times of the cell's samples in ns per ray, in the samples' order, or of one phase of its frames; none where its hits are wrong.
+[[nodiscard]] std::vector<double> ns_per_ray(const RunRecords& records, const std::string& cell, const std::optional<FramePhase>& phase = {});
 
 /// Derives every table and benchmark.json from the records; what was not measured is empty.
 void write_tables(const std::filesystem::path& folder, const Config& config, const std::vector<Experiment>& cells, const RunRecords& records);

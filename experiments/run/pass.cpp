@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
+#include <cmath>
+#include <cstring>
 #include <ctime>
 
 #include "core/trace/trace.h"
@@ -27,8 +29,14 @@ void mix(std::uint64_t& hash, std::uint32_t word) noexcept { hash = (hash ^ word
 
 std::uint64_t Answers::hash() const noexcept {
   std::uint64_t hash = 0xcbf29ce484222325u;
-  if (query == Query::any) {
+  if (kind == Kind::any) {
     for (const std::int32_t prim : blocker) mix(hash, prim >= 0 ? 1 : 0);
+    return hash;
+  }
+  if (kind == Kind::image) {
+    for (const glm::vec3& pixel : image.pixel) {
+      for (const float value : {pixel.x, pixel.y, pixel.z}) mix(hash, std::bit_cast<std::uint32_t>(value));
+    }
     return hash;
   }
   for (std::size_t i = 0; i < hits.size(); ++i) {
@@ -40,8 +48,12 @@ std::uint64_t Answers::hash() const noexcept {
 
 std::int64_t count_differences(const Answers& a, const Answers& b) noexcept {
   std::int64_t count = 0;
-  if (a.query == Query::any) {
+  if (a.kind == Answers::Kind::any) {
     for (std::size_t i = 0; i < a.blocker.size(); ++i) count += (a.blocker[i] >= 0) != (b.blocker[i] >= 0) ? 1 : 0;
+    return count;
+  }
+  if (a.kind == Answers::Kind::image) {
+    for (std::size_t i = 0; i < a.image.pixel.size(); ++i) count += std::memcmp(&a.image.pixel[i], &b.image.pixel[i], sizeof(glm::vec3)) != 0 ? 1 : 0;
     return count;
   }
   const auto differ = [](float x, float y) noexcept { return std::bit_cast<std::uint32_t>(x) != std::bit_cast<std::uint32_t>(y); };
@@ -54,7 +66,7 @@ std::int64_t count_differences(const Answers& a, const Answers& b) noexcept {
 }
 
 PassTime run_pass(const Tracers& tracers, const RaySet& set, int threads, Answers& answers, Counters* counters) {
-  answers.query = set.query;
+  answers.kind = set.query == Query::any ? Answers::Kind::any : Answers::Kind::closest;
   PassTime time;
   const double cpu_before = cpu_ms();
   const auto start = std::chrono::steady_clock::now();
@@ -78,6 +90,18 @@ PassTime run_pass(const Tracers& tracers, const RaySet& set, int threads, Answer
   return time;
 }
 
+FramePass run_frame(const Tracers& tracers, const Frame& frame, int threads, Answers& answers, bool count) {
+  answers.kind = Answers::Kind::image;
+  CastFirstHit cast(tracers.intersector);
+  FirstHit& first_hit = tracers.first_hit != nullptr ? *tracers.first_hit : cast;
+  const double cpu_before = cpu_ms();
+  const auto start = std::chrono::steady_clock::now();
+  Rendering rendering = render(*frame.scene, first_hit, tracers.intersector, {frame.model, frame.termination, threads, count, tracers.occlusion});
+  const PassTime time{0, ms_since(start), cpu_ms() - cpu_before};
+  answers.image = std::move(rendering.image);
+  return {time, rendering.rays, std::move(rendering.depth), rendering.totals};
+}
+
 RaySet sample_of(const RaySet& set, std::size_t blocks) {
   constexpr std::size_t kBlock = kMaxPacket;
   RaySet few;
@@ -98,6 +122,18 @@ double estimate_pass_s(Intersector& intersector, const RaySet& set) {
   Answers answers;
   const PassTime time = run_pass({intersector}, few, 1, answers);
   return time.trace_ms * 1e-3 * static_cast<double>(set.rays.size()) / static_cast<double>(few.rays.size());
+}
+
+double estimate_frame_s(const Tracers& tracers, const Frame& frame) {
+  constexpr double kPixels = 1024;
+  const double pixels = frame.model.pixel_count();
+  const double shrink = std::sqrt(std::min(1.0, kPixels / pixels));
+  Frame small = frame;
+  small.model.width = std::max(1, static_cast<int>(frame.model.width * shrink));
+  small.model.height = std::max(1, static_cast<int>(frame.model.height * shrink));
+  Answers answers;
+  const FramePass pass = run_frame(tracers, small, 1, answers);
+  return pass.time.trace_ms * 1e-3 * pixels / small.model.pixel_count();
 }
 
 }  // namespace raymeter

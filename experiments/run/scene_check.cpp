@@ -1,6 +1,7 @@
 // SceneRun: verifying and counting.
 
 #include <algorithm>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -12,64 +13,58 @@
 
 namespace raymeter {
 
-namespace {
-
-AccuracyRecord to_record(const Accuracy& accuracy, const Answers& answers) {
-  AccuracyRecord record{accuracy.rays_checked, accuracy.false_miss, accuracy.false_hit, accuracy.wrong_prim, {}, {}, {}};
-  const bool distances =
-      answers.query == Query::closest && std::any_of(answers.hits.prim.begin(), answers.hits.prim.end(), [](std::int32_t p) { return p >= 0; });
-  if (distances) {
-    record.t_ulp_p50 = accuracy.t_ulp_p50;
-    record.t_ulp_p99 = accuracy.t_ulp_p99;
-    record.t_ulp_max = accuracy.t_ulp_max;
-  }
-  return record;
-}
-
-}  // namespace
-
-/// In groups that share a reference: those of one ray set on one instruction set.
+/// In groups that share a reference: those of one ray set on one instruction set, or of images of one depth.
 void SceneRun::check_all() {
   std::vector<Live*> waiting;
   for (Live& live : live_) {
     if (!context_.log.records().checks.contains(live.cell->id)) waiting.push_back(&live);
   }
+  const auto key = [](const Live& live) { return std::tuple(live.rays, live.cell->isa, live.cell->max_depth); };
   while (!waiting.empty() && !context_.stop.requested()) {
     const Live& first = *waiting.front();
-    const auto rest =
-        std::stable_partition(waiting.begin(), waiting.end(), [&](const Live* live) { return live->rays == first.rays && live->cell->isa == first.cell->isa; });
-    check_group({waiting.begin(), rest});
+    const auto rest = std::stable_partition(waiting.begin(), waiting.end(), [&](const Live* live) { return key(*live) == key(first); });
+    const std::vector<Live*> group = affordable({waiting.begin(), rest});
+    if (!group.empty() && !context_.stop.requested()) first.rays != nullptr ? check_ray_sets(group) : check_frames(group);
     waiting.erase(waiting.begin(), rest);
   }
 }
 
-void SceneRun::check_group(std::span<Live* const> group) {
-  // A pass that would take too long is not begun.
+double SceneRun::estimate_s(const Live& live) const {
+  const int threads = live.cell->threads > 0 ? live.cell->threads : all_threads();
+  return (live.rays != nullptr ? estimate_pass_s(*live.intersector, *live.rays) : estimate_frame_s(live.tracers(), live.frame)) / threads;
+}
+
+/// Those whose pass does not take too long; the others end before they begin.
+std::vector<SceneRun::Live*> SceneRun::affordable(std::span<Live* const> group) {
   std::vector<Live*> affordable;
+  const double timeout_s = context_.config.measure.timeout_s;
   for (Live* live : group) {
-    const int threads = live->cell->threads > 0 ? live->cell->threads : all_threads();
-    double pass_s = estimate_pass_s(*live->intersector, *live->rays) / threads;
-    if (pass_s > context_.config.measure.timeout_s) pass_s = std::min(pass_s, estimate_pass_s(*live->intersector, *live->rays) / threads);
-    if (pass_s <= context_.config.measure.timeout_s)
+    double pass_s = estimate_s(*live);
+    if (pass_s > timeout_s) pass_s = std::min(pass_s, estimate_s(*live));
+    if (pass_s <= timeout_s)
       affordable.push_back(live);
     else
-      end(*live->cell, Status::timeout, fmt::format("one pass would take about {:.3g} s, timeout_s is {:.6g}", pass_s, context_.config.measure.timeout_s));
+      end(*live->cell, Status::timeout, fmt::format("one pass would take about {:.3g} s, timeout_s is {:.6g}", pass_s, timeout_s));
   }
-  if (affordable.empty() || context_.stop.requested()) return;
-  const Experiment& first = *affordable.front()->cell;
+  return affordable;
+}
+
+void SceneRun::check_ray_sets(std::span<Live* const> group) {
+  const Experiment& first = *group.front()->cell;
+  const RaySet& rays = *group.front()->rays;
   tell(fmt::format("verifying {} rays on {}", first.rays.name, name(first.isa)));
-  const std::unique_ptr<Intersector> reference = reference_for(first, affordable.front()->rays->rays.size());
-  const Verification verification(oracle_.get(), *affordable.front()->rays, *reference, context_.config.verify, first.seed);
-  for (Live* live : affordable) {
+  const std::unique_ptr<Intersector> reference = reference_for(first, static_cast<double>(rays.rays.size()));
+  const Verification verification(oracle_.get(), rays, *reference, context_.config.verify, first.seed);
+  for (Live* live : group) {
     if (context_.stop.requested()) return;
-    check(*live, verification);
+    check_ray_set(*live, verification);
   }
 }
 
 /// `list`, where that is affordable; else the first structure of the scene's cells that is another.
-std::unique_ptr<Intersector> SceneRun::reference_for(const Experiment& cell, std::size_t rays) {
+std::unique_ptr<Intersector> SceneRun::reference_for(const Experiment& cell, double rays) {
   constexpr int kPacket = 16;
-  if (static_cast<double>(rays) * scene_->prim_count() > context_.config.verify.max_tests) {
+  if (rays * scene_->prim_count() > context_.config.verify.max_tests) {
     for (const Live& live : live_) {
       const Experiment& other = *live.cell;
       if (other.structure->name != "list") return structures_.at(build_text(other))->intersector({cell.isa, kPacket, other.params});
@@ -78,7 +73,7 @@ std::unique_ptr<Intersector> SceneRun::reference_for(const Experiment& cell, std
   return list_->intersector({cell.isa, kPacket, {}});
 }
 
-void SceneRun::check(Live& live, const Verification& verification) {
+void SceneRun::check_ray_set(Live& live, const Verification& verification) {
   const Experiment& cell = *live.cell;
   tell("checking " + technique_text(cell));
   CheckRecord record;
@@ -91,14 +86,20 @@ void SceneRun::check(Live& live, const Verification& verification) {
   const Verdicts verdicts = verification.judge(answers_);
   record.hit_hash = hex_text(answers_.hash());
   record.hit_mismatch = verdicts.mismatches;
-  if (verdicts.accuracy) record.accuracy = to_record(*verdicts.accuracy, answers_);
+  const bool finds_distances =
+      answers_.kind == Answers::Kind::closest && std::any_of(answers_.hits.prim.begin(), answers_.hits.prim.end(), [](std::int32_t p) { return p >= 0; });
+  if (verdicts.accuracy) record.accuracy = to_record(*verdicts.accuracy, finds_distances);
   if (!verdicts.right) {
     record.status = Status::wrong;
     record.reason = fmt::format("{} of {} rays have wrong hits", verdicts.mismatches, live.rays->rays.size());
   }
+  add_check(record);
+}
+
+void SceneRun::add_check(const CheckRecord& record) {
   context_.log.add(record);
-  context_.progress.add(verdicts.right ? passes_of(context_.config) - context_.config.measure.warmup - context_.config.measure.samples
-                                       : passes_of(context_.config));
+  const MeasureOptions& measure = context_.config.measure;
+  context_.progress.add(passes_of(context_.config) - (record.status == Status::ok ? measure.warmup + measure.samples : 0));
 }
 
 }  // namespace raymeter

@@ -128,10 +128,14 @@ void SceneRun::make_ray_sets() {
   // Primary hits that secondary rays start from: on the instruction set that every machine has, so that the rays are the same everywhere.
   const StructureEntry& entry = structure_entry("bvh");
   const ParamValues params = defaults_of(entry);
-  const std::unique_ptr<Structure> structure = entry.build(*scene_, params, 0);
-  const std::unique_ptr<Intersector> tracer = structure->intersector({Isa::scalar, 1, params});
+  bvh_ = entry.build(*scene_, params, 0);
+  const std::unique_ptr<Intersector> tracer = bvh_->intersector({Isa::scalar, 1, params});
   for (const Experiment& cell : cells_) {
     if (!unfinished(cell)) continue;
+    if (cell.rays.image()) {
+      live_.push_back(make_live(cell, nullptr));
+      continue;
+    }
     const auto [found, added] = ray_sets_.try_emplace(cell.rays.name);
     if (added) {
       tell("making " + cell.rays.name + " rays");
@@ -142,14 +146,15 @@ void SceneRun::make_ray_sets() {
       end(cell, Status::skipped, "no such rays: nothing is hit, or the file is empty");
       continue;
     }
-    live_.push_back(make_live(cell, rays));
+    live_.push_back(make_live(cell, &rays));
   }
 }
 
-SceneRun::Live SceneRun::make_live(const Experiment& cell, const RaySet& rays) const {
+SceneRun::Live SceneRun::make_live(const Experiment& cell, const RaySet* rays) const {
   Live live;
   live.cell = &cell;
-  live.rays = &rays;
+  live.rays = rays;
+  live.frame = {scene_.get(), {scene_->camera, cell.camera, cell.width, cell.height}, {cell.max_depth, cell.min_weight}};
   live.intersector = structures_.at(build_text(cell))->intersector({cell.isa, cell.packet, cell.params});
   const auto fill = [&](const auto& chosen, const auto& default_row, auto& slot) {
     if (chosen.entry != &default_row) slot = chosen.entry->make(*scene_, {cell.isa, cell.packet, cell.threads, chosen.params}, *live.intersector);
@@ -161,7 +166,7 @@ SceneRun::Live SceneRun::make_live(const Experiment& cell, const RaySet& rays) c
 
 RaySet SceneRun::make_ray_set(const Experiment& cell, const Intersector& tracer) const {
   if (!cell.rays.file.empty()) return {.rays = read_rays_npy(cell.rays.file), .query = cell.rays.any ? Query::any : Query::closest, .pixel = {}};
-  const CameraModel model{scene_->camera, CameraConvention::pixel, cell.width, cell.height};
+  const CameraModel model{scene_->camera, cell.camera, cell.width, cell.height};
   return make_rays(*scene_, ray_kind_from_name(cell.rays.name).value(), model, cell.seed, tracer, 0);
 }
 

@@ -16,6 +16,7 @@
 
 namespace raymeter {
 
+class FrameVerification;
 class Oracle;
 class Verification;
 
@@ -47,7 +48,8 @@ private:
   /// A cell that still has something to do.
   struct Live {
     const Experiment* cell = nullptr;
-    const RaySet* rays = nullptr;
+    const RaySet* rays = nullptr;  ///< or else frames
+    Frame frame;
     std::unique_ptr<Intersector> intersector;
     std::unique_ptr<FirstHit> first_hit;   ///< null where the slot holds its default
     std::unique_ptr<Occlusion> occlusion;  ///< likewise
@@ -61,14 +63,20 @@ private:
   void build_all();
   void build(const std::string& build, std::span<const Experiment* const> cells);
   void make_ray_sets();
-  [[nodiscard]] Live make_live(const Experiment& cell, const RaySet& rays) const;
+  [[nodiscard]] Live make_live(const Experiment& cell, const RaySet* rays) const;
   [[nodiscard]] RaySet make_ray_set(const Experiment& cell, const Intersector& tracer) const;
   void check_all();
-  void check_group(std::span<Live* const> group);
-  void check(Live& live, const Verification& verification);
-  [[nodiscard]] std::unique_ptr<Intersector> reference_for(const Experiment& cell, std::size_t rays);
+  void check_ray_sets(std::span<Live* const> group);
+  void check_ray_set(Live& live, const Verification& verification);
+  void check_frames(std::span<Live* const> group);
+  void check_frame(Live& live, FrameVerification& verification);
+  [[nodiscard]] std::vector<Live*> affordable(std::span<Live* const> group);
+  [[nodiscard]] double estimate_s(const Live& live) const;
+  void add_check(const CheckRecord& record);
+  [[nodiscard]] std::unique_ptr<Intersector> reference_for(const Experiment& cell, double rays);
   void time_all();
   void time_round(int round, bool warmup);
+  [[nodiscard]] SampleRecord timed(Live& live);
   void time_pass(Live& live, int round, bool warmup);
   void end(const Experiment& cell, Status status, const std::string& reason);
   [[nodiscard]] bool unfinished(const Experiment& cell) const { return context_.status(cell) == Status::unfinished; }
@@ -79,6 +87,7 @@ private:
   std::unique_ptr<Scene> scene_;
   std::unique_ptr<Oracle> oracle_;
   std::unique_ptr<Structure> list_;                               ///< the reference of all
+  std::unique_ptr<Structure> bvh_;                                ///< finds what secondary rays start from
   std::map<std::string, std::unique_ptr<Structure>> structures_;  ///< by build
   std::map<std::string, RaySet> ray_sets_;                        ///< by name
   std::vector<Live> live_;

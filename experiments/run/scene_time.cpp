@@ -50,6 +50,28 @@ void SceneRun::time_round(int round, bool warmup) {
   }
 }
 
+/// One pass by the timed kernels; its answers are to be checked still.
+SampleRecord SceneRun::timed(Live& live) {
+  const Experiment& cell = *live.cell;
+  SampleRecord record;
+  record.cell = cell.id;
+  PassTime time;
+  if (live.rays != nullptr) {
+    time = run_pass(live.tracers(), *live.rays, cell.threads, answers_);
+    record.rays = static_cast<std::int64_t>(live.rays->rays.size());
+  } else {
+    const FramePass pass = run_frame(live.tracers(), live.frame, cell.threads, answers_);
+    time = pass.time;
+    record.rays = pass.rays.all();
+    record.phases.emplace();
+    for (std::size_t phase = 0; phase < kFramePhases.size(); ++phase) (*record.phases)[phase] = {pass.totals.phase[phase].ms, pass.totals.phase[phase].rays};
+  }
+  record.prepare_ms = time.prepare_ms;
+  record.trace_ms = time.trace_ms;
+  record.cpu_ms = time.cpu_ms;
+  return record;
+}
+
 void SceneRun::time_pass(Live& live, int round, bool warmup) {
   const Experiment& cell = *live.cell;
   const MeasureOptions& measure = context_.config.measure;
@@ -61,18 +83,17 @@ void SceneRun::time_pass(Live& live, int round, bool warmup) {
     return;
   }
   context_.pinning.enter(cell.threads);
-  const PassTime time = run_pass(live.tracers(), *live.rays, cell.threads, answers_);
+  SampleRecord record = timed(live);
   context_.pinning.leave();
-  live.pass_s = time.trace_ms * 1e-3;
+  live.pass_s = record.trace_ms * 1e-3;
   live.spent_s += live.pass_s;
   context_.progress.add(1);
   // Timed and counting kernels are different code: they have to agree.
-  const bool same = hex_text(answers_.hash()) == log.records().checks.at(cell.id).hit_hash;
-  if (!warmup) {
-    log.add(SampleRecord{cell.id, round, log.records().sample_count, time.prepare_ms, time.trace_ms, time.cpu_ms,
-                         static_cast<std::int64_t>(live.rays->rays.size()), same});
-  }
-  if (!same) log.add(EndRecord{cell.id, Status::wrong, "a timed pass gave other hits than the counted one"});
+  record.sample = round;
+  record.order_index = log.records().sample_count;
+  record.ok = hex_text(answers_.hash()) == log.records().checks.at(cell.id).hit_hash;
+  if (!warmup) log.add(record);
+  if (!record.ok) log.add(EndRecord{cell.id, Status::wrong, "a timed pass gave other hits than the counted one"});
 }
 
 }  // namespace raymeter

@@ -4,6 +4,16 @@
 
 namespace raymeter {
 
+AccuracyRecord to_record(const Accuracy& accuracy, bool distances) {
+  AccuracyRecord record{accuracy.rays_checked, accuracy.false_miss, accuracy.false_hit, accuracy.wrong_prim, {}, {}, {}};
+  if (distances) {
+    record.t_ulp_p50 = accuracy.t_ulp_p50;
+    record.t_ulp_p99 = accuracy.t_ulp_p99;
+    record.t_ulp_max = accuracy.t_ulp_max;
+  }
+  return record;
+}
+
 Verification::Verification(const Oracle* oracle, const RaySet& rays, Intersector& reference, const VerifyOptions& options, std::uint64_t seed)
     : oracle_(oracle), rays_(rays), options_(options), seed_(seed) {
   run_pass({reference}, rays, 0, reference_);
@@ -11,14 +21,14 @@ Verification::Verification(const Oracle* oracle, const RaySet& rays, Intersector
 }
 
 Accuracy Verification::ask_oracle(const RayBatch& rays, const Answers& answers) const {
-  return answers.query == Query::closest ? verify_closest(*oracle_, rays, answers.hits, options_.max_tests, seed_, 0)
-                                         : verify_any(*oracle_, rays, answers.blocker, options_.max_tests, seed_, 0);
+  return answers.kind == Answers::Kind::closest ? verify_closest(*oracle_, rays, answers.hits, options_.max_tests, seed_, 0)
+                                                : verify_any(*oracle_, rays, answers.blocker, options_.max_tests, seed_, 0);
 }
 
 std::int64_t Verification::count_wrong_blockers(const Answers& answers) const {
   RayBatch others;
   Answers their;
-  their.query = Query::any;
+  their.kind = Answers::Kind::any;
   for (std::size_t i = 0; i < answers.blocker.size(); ++i) {
     if (answers.blocker[i] == reference_.blocker[i] || answers.blocker[i] < 0) continue;
     others.push_back(rays_.rays[i]);
@@ -33,7 +43,7 @@ Verdicts Verification::judge(const Answers& answers) const {
   verdicts.mismatches = different;
   if (oracle_ != nullptr) {
     verdicts.accuracy = different == 0 ? *accuracy_ : ask_oracle(rays_.rays, answers);
-    if (different == 0 && answers.query == Query::any) verdicts.accuracy->false_hit += count_wrong_blockers(answers);
+    if (different == 0 && answers.kind == Answers::Kind::any) verdicts.accuracy->false_hit += count_wrong_blockers(answers);
     verdicts.mismatches = std::max(different, verdicts.accuracy->mismatches());
     verdicts.right = verdicts.accuracy->ok(options_.hit_mismatch_max);
   }

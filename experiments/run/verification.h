@@ -4,10 +4,14 @@
 #include <optional>
 
 #include "experiments/config/config.h"
+#include "experiments/record/run_records.h"
 #include "experiments/run/pass.h"
 #include "experiments/verify/verify.h"
 
 namespace raymeter {
+
+/// What is written down of the oracle's judgement; `distances`: there are hits whose t it has looked at.
+[[nodiscard]] AccuracyRecord to_record(const Accuracy& accuracy, bool distances);
 
 /// What verification says of a cell.
 struct Verdicts {

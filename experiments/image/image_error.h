@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+
+#include "core/render/image.h"
+
+namespace raymeter {
+
+/// How far an image is from another of the same size.
+struct ImageError {
+  double rmse = 0;             ///< root of the mean squared difference of radiance, over all pixels and channels
+  std::optional<double> ssim;  ///< structural similarity as shown; empty where a side is shorter than its window of 11 pixels
+
+  /// Peak signal-to-noise ratio in decibels, the peak being white, 1; infinite where the images are equal.
+  [[nodiscard]] double psnr() const noexcept;
+};
+
+[[nodiscard]] ImageError image_error(const Image& image, const Image& reference);
+
+}  // namespace raymeter

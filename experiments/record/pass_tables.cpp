@@ -1,0 +1,66 @@
+// Rows of samples.csv, counters.csv, accuracy.csv and frames.csv.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "experiments/record/counter_columns.h"
+#include "experiments/record/table_source.h"
+
+namespace raymeter {
+
+void add_sample_rows(const Source& source, const Experiment& cell, const RowPhase& phase, const AddRow& add) {
+  const auto samples = source.records.samples.find(cell.id);
+  if (samples == source.records.samples.end()) return;
+  for (const auto& [index, sample] : samples->second) {
+    const PhaseSample part = part_of(sample, phase.part);
+    const auto rays = static_cast<double>(part.rays);
+    const bool timed = sample.ok && part.rays > 0 && part.ms > 0;
+    add({number(std::int64_t{index}), number(sample.order_index), sample.ok ? number(part.ms) : "", number(part.rays),
+         timed ? number(rays / (part.ms * 1e3)) : "", timed ? number(part.ms * 1e6 / rays) : "", sample.ok ? "ok" : "wrong"});
+  }
+}
+
+void add_counter_rows(const Source& source, const Experiment& cell, const RowPhase& phase, const AddRow& add) {
+  const Counters* const counters = source.counters(cell, phase);
+  if (counters == nullptr) return;
+  Row row{std::to_string(counters->ray_count)};
+  for (const std::uint64_t sum : counters->rays) row.push_back(std::to_string(sum));
+  for (const std::uint64_t sum : counters->packets) row.push_back(std::to_string(sum));
+  for (std::string& average : counter_averages(cell, counters)) row.push_back(std::move(average));
+  add(std::move(row));
+}
+
+void add_accuracy_rows(const Source& source, const Experiment& cell, const RowPhase&, const AddRow& add) {
+  const CheckRecord* const check = source.check(cell);
+  if (check == nullptr || !(check->accuracy || check->frame)) return;
+  Row row(8);
+  if (check->accuracy) {
+    const AccuracyRecord& a = *check->accuracy;
+    row = {number(a.rays_checked), number(a.false_miss), number(a.false_hit), number(a.wrong_prim), "",
+           number(a.t_ulp_p50),    number(a.t_ulp_p99),  number(a.t_ulp_max)};
+  }
+  if (check->frame) {
+    const ImageError& error = check->frame->error;
+    row.insert(row.end(), {number(error.rmse), number(error.psnr()), number(error.ssim)});
+  }
+  row.resize(11);
+  add(std::move(row));
+}
+
+void add_frame_rows(const Source& source, const Experiment& cell, const RowPhase&, const AddRow& add) {
+  const CheckRecord* const check = source.check(cell);
+  if (check == nullptr || !check->frame) return;
+  const FrameRecord& frame = *check->frame;
+  const RayCounts& rays = frame.rays;
+  Row row;
+  for (const std::int64_t count : {rays.all(), rays.primary, rays.primary_hit, rays.reflection, rays.reflection_hit, rays.refraction, rays.refraction_hit,
+                                   rays.tir, rays.shadow, rays.shadow_blocked, frame.rays_full - rays.all()}) {
+    row.push_back(number(count));
+  }
+  row.push_back(number(frame.depth.mean()));
+  row.push_back(std::to_string(frame.depth.generation.size()));
+  row.push_back(fmt::format("{}", fmt::join(frame.depth.generation, " ")));
+  add(std::move(row));
+}
+
+}  // namespace raymeter
