@@ -38,9 +38,10 @@ std::vector<PlannedCell> read_plan(const std::filesystem::path& folder) {
       for (const auto& [slot, usual] : {std::pair{"first_hit", "cast"}, std::pair{"occlusion", "none"}}) {
         if (text(slot) != usual) params.append("+").append(text(slot));
       }
-      cells.push_back({text("cell"), text("scene"),
-                       fmt::format("{} {}{} {} packet {} {} threads {}", text("scene"), text("structure"), params, text("isa"), cell.at("packet").dump(),
-                                   text("rays"), text("threads"))});
+      std::string what = fmt::format("{} {}{} {} packet {} {} threads {}", text("scene"), text("structure"), params, text("isa"), cell.at("packet").dump(),
+                                     text("rays"), text("threads"));
+      if (text("rays") == "image") what += fmt::format(" max_depth {} min_weight {}", cell.at("max_depth").dump(), cell.at("min_weight").dump());
+      cells.push_back({text("cell"), text("scene"), what});
     }
   } catch (const nlohmann::json::exception&) {
     throw Error((folder / "plan.jsonl").string() + ": not a plan");

@@ -80,7 +80,7 @@ constexpr std::array kMetrics{
     Metric{Table::accuracy, "image_psnr", higher, "likewise, in decibels, white being the peak; inf where the images are equal"},
     Metric{Table::accuracy, "image_ssim", higher, "likewise, as shown (Wang et al. 2004); empty where a side is below 11 pixels"},
 
-    Metric{Table::frames, "rays", exact, "rays of a frame: eye, reflection, refraction and shadow rays"},
+    Metric{Table::frames, "rays_traced", exact, "rays of a frame: eye, reflection, refraction and shadow rays"},
     Metric{Table::frames, "primary", exact, "eye rays"},
     Metric{Table::frames, "primary_hit", exact, "those that hit"},
     Metric{Table::frames, "reflection", exact, "reflection rays, those for total reflection among them"},

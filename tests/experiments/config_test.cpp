@@ -49,9 +49,10 @@ TEST(Config, SaysWhichValueIsWrong) {
   EXPECT_EQ(message(config(R"(, "threads": "many")")), "c.json: matrix.threads: expected a whole number from 1 to 4096 or all, got \"many\"");
   EXPECT_EQ(message(config(R"(, "first_hit": 3)")), "c.json: matrix.first_hit: expected cast or an object, got 3");
   EXPECT_EQ(message(config(R"(, "occlusion": ["none", "nune"])")), "c.json: matrix.occlusion[1]: expected none or an object, got \"nune\"; did you mean none?");
-  EXPECT_EQ(message(config(R"(, "max_depth": 4)")), "c.json: matrix.max_depth: expected 5, got 4");
-  EXPECT_EQ(message(config(R"(, "rays": "image")")),
-            "c.json: matrix.rays: expected one of primary, shadow, reflection, ambient_occlusion, diffuse, random or a .npy file or an object, got \"image\"");
+  EXPECT_EQ(message(config(R"(, "max_depth": 101)")), "c.json: matrix.max_depth: expected a whole number from 1 to 100, got 101");
+  EXPECT_EQ(message(config(R"(, "rays": "images")")),
+            "c.json: matrix.rays: expected one of primary, shadow, reflection, ambient_occlusion, diffuse, random, image or a .npy file or an object, "
+            "got \"images\"; did you mean image?");
   EXPECT_EQ(message(config(R"(, "rays": "absent.npy")")), "c.json: matrix.rays: absent.npy cannot be read");
   EXPECT_EQ(message(config("", R"(, "measure": {"order": "random"})")), "c.json: measure.order: expected interleaved, got \"random\"");
   EXPECT_EQ(message(config("", R"(, "verify": {"oracle": "yes"})")), "c.json: verify.oracle: expected true or false, got \"yes\"");
