@@ -4,9 +4,9 @@ import math
 import re
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from .records import Record, Run, Value
+from .records import FRAME_PHASES, Record, Run, Value, whole
 
 STRUCTURE_ORDER = "list bvh octree kdtree bsp grid ray_classification embree".split()
 RAY_ORDER = "primary shadow reflection ambient_occlusion diffuse random image".split()
@@ -28,6 +28,8 @@ class Cell:
     build: Record
     counters: Record
     accuracy: Record
+    frame: Record = field(default_factory=dict)  # of images: rays by kind, depths
+    phases: dict[str, Record] = field(default_factory=dict)  # of images: the summary of each phase
     label: str = ""
     rays: str = ""
 
@@ -69,12 +71,16 @@ def load_cells(runs: Sequence[Run]) -> list[Cell]:
     """All cells of the runs in the order of their summaries, labelled."""
     cells: list[Cell] = []
     for run in runs:
-        joined = {kind: {record["cell_id"]: record for record in run.tables[kind]} for kind in ("builds", "counters", "accuracy")}
-        for summary in run.tables["summary"]:
+        kinds = ("builds", "counters", "accuracy", "frames")
+        joined = {kind: {record["cell_id"]: record for record in whole(run.tables.get(kind, []))} for kind in kinds}
+        phases: dict[Value, dict[str, Record]] = defaultdict(dict)
+        for record in run.tables["summary"]:
+            if record["phase"] in FRAME_PHASES:
+                phases[record["cell_id"]][str(record["phase"])] = record
+        for summary in whole(run.tables["summary"]):
             key = summary["cell_id"]
-            cells.append(
-                Cell(run.name, summary, joined["builds"].get(key, {}), joined["counters"].get(key, {}), joined["accuracy"].get(key, {}))
-            )
+            build, counters, accuracy, frame = (joined[kind].get(key, {}) for kind in kinds)
+            cells.append(Cell(run.name, summary, build, counters, accuracy, frame, phases.get(key, {})))
     _label(cells)
     return cells
 

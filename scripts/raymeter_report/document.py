@@ -11,6 +11,7 @@ from .bounding_volumes import volumes_table
 from .break_even import break_even_table
 from .cells import Cell, best_cells, load_cells, rays_of, scenes_of, techniques_of
 from .figures import Plot, write_plots
+from .frames import depth_control_table, frames_table
 from .glossary import GLOSSARY, SYMBOL_NOTE, Term
 from .pictures import Picture, pictures_of
 from .records import Run
@@ -48,6 +49,8 @@ class Report:
     builds: Table
     break_even: Table
     volumes: Table
+    frames: Table
+    depth_control: Table
     accuracy: Table
     plots: list[Plot]
     pictures: list[Picture]
@@ -83,6 +86,8 @@ def make_report(runs: Sequence[Run], out: Path) -> Report:
         builds=builds_table(cells),
         break_even=break_even_table(cells),
         volumes=volumes_table(cells),
+        frames=frames_table(cells),
+        depth_control=depth_control_table(cells),
         accuracy=accuracy_table(cells),
         plots=write_plots(runs, cells, out / "plots"),
         pictures=[picture for run in runs for picture in pictures_of(run)],

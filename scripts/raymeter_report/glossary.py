@@ -21,7 +21,7 @@ GLOSSARY: dict[str, list[Term]] = {
         Term("num_prims", "primitives", "Number of primitives: spheres, triangles, polygons, cones."),
         Term("needs", "", "What the scene asks of a technique: its primitive kinds and features."),
         Term("rays", "", "Ray kind. Secondary rays start from the hits of the primary ones."),
-        Term("phase", "", "What is timed: closest hit, any hit, or a whole image."),
+        Term("phase", "", "What is timed: closest hit, any hit; of images the total, first_hit, shadow, reflection, refraction or shading (all the rest)."),
         Term("structure", "", "Acceleration structure."),
         Term("params", "", "Its parameters as they were used, defaults included."),
         Term("first_hit", "", "How primary hits are found: cast (rays) or zbuffer."),
@@ -58,6 +58,14 @@ GLOSSARY: dict[str, list[Term]] = {
         Term("…_packets", "", "Times the code was reached, whatever the number of live lanes; the plain column sums over live lanes."),
         Term("simd_utilization", "", "Live lanes divided by all lanes of the operations performed: 1 is full use."),
         Term("r_ITM", "", "Ray-primitive tests divided by the least number needed (one for each ray that hits): prim_tests / rays that hit.", "r_ITM", False),
+    ],
+    "frames.csv": [
+        Term("rays_traced", "rays", "Rays of one frame; by kind: primary, reflection, refraction, shadow, and those of them that hit or are blocked."),
+        Term("tir", "", "Refractions that are totally reflected: the reflection ray carries their share."),
+        Term("rays_saved", "rays", "Rays that the image has more which is cut nowhere (min_weight 0, same max_depth)."),
+        Term("mean_depth", "", "Mean over the eye rays of the deepest ray that comes of each; an eye ray has depth 1."),
+        Term("deepest", "", "Depth of the deepest ray."),
+        Term("generations", "rays", "Eye, reflection and refraction rays of depth 1, 2, ..."),
     ],
     "builds.csv": [
         Term("build_ms", "ms", "Time to build the structure.", "T_B"),

@@ -31,8 +31,14 @@ FILE_COLUMNS: dict[str, list[str]] = {
     "accuracy": (
         "rays_checked false_miss false_hit wrong_prim self_hits t_ulp_p50 t_ulp_p99 t_ulp_max image_rmse image_psnr image_ssim"
     ).split(),
+    "frames": (
+        "rays_traced primary primary_hit reflection reflection_hit refraction refraction_hit tir shadow shadow_blocked rays_saved mean_depth deepest "
+        "generations"
+    ).split(),
 }
-TEXT_COLUMNS = frozenset("cell_id scene needs rays phase structure params first_hit occlusion isa status".split())
+OPTIONAL_FILES = frozenset(("frames",))  # runs of earlier versions, which knew no images, lack it
+FRAME_PHASES = ("first_hit", "shadow", "reflection", "refraction", "shading")  # parts of a frame; phase "total" is the whole
+TEXT_COLUMNS = frozenset("cell_id scene needs rays phase structure params first_hit occlusion isa status generations".split())
 # max_depth is a key (recursion depth of the rays) and a property of a build (depth of the tree): the second one is renamed on reading.
 DUPLICATE_COLUMNS = {("builds", "max_depth"): "tree_depth"}
 
@@ -67,6 +73,11 @@ class Run:
     def name(self) -> str:
         """The folder's name, which holds the time, the commit and the host."""
         return self.folder.resolve().name
+
+
+def whole(records: Iterable[Record]) -> list[Record]:
+    """The records of whole passes, without those of single phases of a frame."""
+    return [record for record in records if record["phase"] not in FRAME_PHASES]
 
 
 def parse_value(text: str, column: str) -> Value:
@@ -158,7 +169,8 @@ def read_run(folder: Path) -> Run:
                 tables[kind] = parse_table(lines, kind, path)
         else:
             tables[kind] = []
-            missing_files.append(path.name)
+            if kind not in OPTIONAL_FILES:
+                missing_files.append(path.name)
     return Run(
         folder=folder,
         manifest=_read_json(folder / "manifest.json"),
