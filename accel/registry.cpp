@@ -10,13 +10,14 @@
 #include "accel/grid/grid.h"
 #include "accel/kdtree/kdtree.h"
 #include "accel/list/list.h"
+#include "accel/ray_classification/ray_classification.h"
 
 namespace raymeter {
 
 namespace {
 
 // THE tables: a new technique is one folder and one row here.
-constexpr std::array kStructures{kListEntry, kBvhEntry, kGridEntry, kKdTreeEntry, kBspEntry};
+constexpr std::array kStructures{kListEntry, kBvhEntry, kGridEntry, kKdTreeEntry, kBspEntry, kRayClassificationEntry};
 constexpr std::array kFirstHits{kCastEntry};
 constexpr std::array kOcclusions{kNoneEntry};
 

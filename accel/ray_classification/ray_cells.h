@@ -1,0 +1,116 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "accel/ray_classification/beam.h"
+#include "accel/ray_classification/ray_order.h"
+
+namespace raymeter {
+
+/// What cells are made from: the scene's primitives with their padded boxes, and how its rays are divided.
+struct ClassifiedScene {
+  ClassifiedScene(const Scene& scene, const RayClassificationParams& params, int threads);
+
+  const Pools& pools;
+  RayClassificationParams params;
+  std::array<std::size_t, kPrimKindCount> first_prim{};  ///< of each kind in `prims`
+  std::vector<PrimRef> prims;
+  std::vector<Aabb> boxes;                               ///< padded, of each of `prims`
+  RaySpace space;
+
+  [[nodiscard]] const Aabb& box(Candidate candidate) const noexcept {
+    return boxes[first_prim[candidate.kind()] + static_cast<std::size_t>(candidate.index())];
+  }
+  [[nodiscard]] std::size_t mem_bytes() const noexcept;
+};
+
+/// What is known of the cells that serve a batch, and of all that are kept.
+struct CellStats {
+  std::int64_t leaves = 0;      ///< that hold rays of the batch
+  std::int64_t candidates = 0;  ///< in their lists together
+  std::int64_t kept = 0;        ///< cells in memory, interior and former ones included
+  std::size_t bytes = 0;        ///< of these
+  double full_bytes = 0;        ///< of the leaves, if all rays that there are had cells like those of the batch
+};
+
+/// The tree of cells, made where rays fall, and which of them serve a batch.
+///
+/// What a cell lists depends on the cell alone, and which cells serve a batch on the batch alone: they are found anew from the classes downwards, the cell
+/// whose rays have most candidates to test first, until nothing is worth a split or the next one might not fit the budget. Whatever else is kept, from other
+/// batches or on the way down, only saves making it again, and goes, least recently used first, where memory is needed. So neither answers nor counts depend
+/// on threads or on what was traced before.
+class RayCells {
+public:
+  explicit RayCells(const ClassifiedScene& scene);
+
+  /// The least memory in which every batch can be served: the lists of all six classes.
+  [[nodiscard]] static std::size_t least_bytes(const ClassifiedScene& scene) noexcept;
+
+  /// Finds the cells of a batch. Call in an arena of the wanted threads.
+  void serve(const RayOrder& rays);
+
+  /// The cells of the batch, and which of them each ray is in, in the order of the rays.
+  [[nodiscard]] const std::vector<RayCell>& cells() const noexcept { return served_; }
+  [[nodiscard]] const Column<std::int32_t>& cell_of_rays() const noexcept { return cell_of_rays_; }
+  [[nodiscard]] const CellStats& stats() const noexcept { return stats_; }
+
+private:
+  struct Cell {
+    CellAddress address;
+    std::int32_t parent = -1;
+    std::array<std::int32_t, 2> child{-1, -1};
+    std::int32_t count = 0;                ///< candidates, known also while the list is not kept
+    std::int32_t shrunk_count = 0;         ///< candidates of the ancestor from which on lists have to have shrunk
+    std::int32_t shrunk_depth = 0;         ///< and its depth
+    std::uint32_t used = 0;                ///< the last batch that had rays here
+    bool held = false;                     ///< serves the batch, or may yet
+    std::unique_ptr<Candidate[]> list;     ///< null: not kept
+  };
+  /// Rays [begin, end) of the batch, which are those of a cell.
+  struct Share {
+    std::int32_t cell;
+    std::int32_t begin;
+    std::int32_t end;
+  };
+
+  // ray_cells_build.cpp: which cells serve
+  [[nodiscard]] bool worth_splitting(const Share& share) const noexcept;
+  void wait(const Share& share);
+  void split_round(const RayOrder& rays, std::vector<Share>& round);
+  void publish(const RayOrder& rays);
+  void find_stats() noexcept;
+  // ray_cells_lists.cpp: what they list, and what is kept
+  [[nodiscard]] std::vector<Candidate> list_of(const Cell& cell) const;
+  [[nodiscard]] std::vector<Candidate> class_list(std::int32_t ray_class) const;
+  void make_list(Cell& cell);
+  void keep(Cell& cell, const std::vector<Candidate>& list);
+  std::int32_t new_cell(const CellAddress& address, std::int32_t parent);
+  void drop_list(Cell& cell) noexcept;
+  void make_room(std::size_t bytes);
+  void remove_unused() noexcept;
+  [[nodiscard]] static std::size_t list_bytes(std::int32_t count) noexcept;
+  [[nodiscard]] Cell& at(std::int32_t cell) noexcept { return cells_[static_cast<std::size_t>(cell)]; }
+  [[nodiscard]] const Cell& at(std::int32_t cell) const noexcept { return cells_[static_cast<std::size_t>(cell)]; }
+
+  const ClassifiedScene& scene_;
+  std::size_t budget_;
+  std::deque<Cell> cells_;          ///< places, some of them free
+  std::vector<std::int32_t> free_;
+  std::array<std::int32_t, kRayClasses> class_cell_;
+  std::size_t bytes_ = 0;           ///< of cells and lists
+  std::uint32_t batch_ = 0;
+
+  std::array<std::vector<Share>, 64> waiting_;  ///< by the logarithm of rays * candidates
+  std::vector<Share> leaves_;
+  std::size_t held_bytes_ = 0;                  ///< of what serves the batch
+  std::vector<RayCell> served_;
+  Column<std::int32_t> cell_of_rays_;
+  CellStats stats_;
+};
+
+}  // namespace raymeter

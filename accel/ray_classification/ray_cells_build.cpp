@@ -1,0 +1,207 @@
+// RayCells: which cells serve a batch.
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+
+#include "accel/ray_classification/ray_cells.h"
+
+namespace raymeter {
+
+namespace {
+
+/// Where lists do not become shorter, as those of objects that lie on each other, splitting ends: so many splits have to take away a quarter.
+constexpr int kPatience = 10;
+/// Candidates that are looked at between two looks at the memory.
+constexpr std::int64_t kRoundCandidates = 1 << 20;
+
+template <class T, class Body>
+void for_each(std::vector<T>& items, Body&& body) {
+  tbb::parallel_for(std::size_t{0}, items.size(), [&](std::size_t i) { body(items[i]); });
+}
+
+/// The first of rays [begin, end) whose keys are not below `key`.
+std::int32_t lower_bound(const RayOrder& rays, std::int32_t begin, std::int32_t end, std::uint64_t key) noexcept {
+  const std::uint64_t* const first = rays.key.data();
+  return static_cast<std::int32_t>(std::lower_bound(first + begin, first + end, key) - first);
+}
+
+}  // namespace
+
+void RayCells::serve(const RayOrder& rays) {
+  ++batch_;
+  leaves_.clear();
+  for (Cell& cell : cells_) cell.held = false;
+  held_bytes_ = 0;
+  const auto ray_count = static_cast<std::int32_t>(rays.key.size());
+  for (std::int32_t c = 0; c < kRayClasses; ++c) {
+    const int bits = scene_.space.key_bits();
+    const std::int32_t begin = lower_bound(rays, 0, ray_count, static_cast<std::uint64_t>(c) << bits);
+    const std::int32_t end = lower_bound(rays, begin, ray_count, static_cast<std::uint64_t>(c + 1) << bits);
+    if (begin == end) continue;
+    std::int32_t& cell = class_cell_[static_cast<std::size_t>(c)];
+    if (cell < 0) {
+      make_room(sizeof(Cell));
+      cell = new_cell({{}, static_cast<std::uint8_t>(c), 0}, -1);
+      at(cell).count = at(cell).shrunk_count = static_cast<std::int32_t>(scene_.prims.size());
+    }
+    wait({cell, begin, end});
+  }
+
+  bool full = false;
+  std::vector<Share> now, round;
+  for (std::size_t level = waiting_.size(); level-- > 0;) {
+    while (!waiting_[level].empty()) {
+      now.swap(waiting_[level]);
+      waiting_[level].clear();
+      std::int64_t candidates = 0;
+      for (const Share& share : now) {
+        const std::size_t cost = 2 * (list_bytes(at(share.cell).count) + sizeof(Cell));
+        if (full || !worth_splitting(share)) {
+          leaves_.push_back(share);
+          continue;
+        }
+        if (candidates > kRoundCandidates) {
+          split_round(rays, round);
+          candidates = 0;
+        }
+        full = held_bytes_ + cost > budget_;
+        if (full) {
+          leaves_.push_back(share);
+          continue;
+        }
+        held_bytes_ += cost;
+        candidates += at(share.cell).count;
+        round.push_back(share);
+      }
+      split_round(rays, round);
+      now.clear();
+    }
+  }
+  publish(rays);
+}
+
+bool RayCells::worth_splitting(const Share& share) const noexcept {
+  const Cell& cell = at(share.cell);
+  const RayClassificationParams& params = scene_.params;
+  return cell.count > params.leaf_size && share.end - share.begin >= params.min_rays && cell.address.depth < scene_.space.depth(cell.address.ray_class) &&
+         cell.address.depth - cell.shrunk_depth < kPatience;
+}
+
+/// Puts a cell that has rays where the next to be split are looked for.
+void RayCells::wait(const Share& share) {
+  Cell& cell = at(share.cell);
+  cell.used = batch_;
+  cell.held = true;
+  held_bytes_ += list_bytes(cell.count) + sizeof(Cell);
+  const std::uint64_t work = static_cast<std::uint64_t>(share.end - share.begin) * static_cast<std::uint64_t>(cell.count);
+  waiting_[work > 0 ? static_cast<std::size_t>(std::bit_width(work)) - 1 : 0].push_back(share);
+}
+
+/// Replaces the cells of `round`, whose halves held_bytes_ has room for, by those of their halves that have rays.
+void RayCells::split_round(const RayOrder& rays, std::vector<Share>& round) {
+  std::vector<std::int32_t> middle(round.size());
+  tbb::parallel_for(std::size_t{0}, round.size(), [&](std::size_t i) {
+    const Share& share = round[i];
+    const int bit = scene_.space.key_bits() - 1 - at(share.cell).address.depth;
+    const std::uint64_t upper = ((rays.key[static_cast<std::size_t>(share.begin)] >> bit) | 1u) << bit;
+    middle[i] = lower_bound(rays, share.begin, share.end, upper);
+  });
+
+  const auto has_rays = [&](std::size_t i, std::size_t side) noexcept { return side == 0 ? middle[i] > round[i].begin : middle[i] < round[i].end; };
+  std::size_t needed = 0;
+  std::vector<std::int32_t> without_list, fresh;
+  for (std::size_t i = 0; i < round.size(); ++i) {
+    const Cell& cell = at(round[i].cell);
+    bool makes = false;
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (!has_rays(i, side) || cell.child[side] >= 0) continue;
+      makes = true;
+      needed += list_bytes(cell.count) + sizeof(Cell);
+    }
+    if (!makes || cell.list) continue;
+    needed += list_bytes(cell.count);
+    without_list.push_back(round[i].cell);
+  }
+  if (needed > 0) make_room(needed);
+  for_each(without_list, [&](std::int32_t cell) { make_list(at(cell)); });
+  for (const std::int32_t cell : without_list) bytes_ += list_bytes(at(cell).count);
+  for (std::size_t i = 0; i < round.size(); ++i) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      const std::int32_t parent = round[i].cell;
+      if (!has_rays(i, side) || at(parent).child[side] >= 0) continue;
+      CellAddress address = at(parent).address;
+      std::uint16_t& index = address.index[static_cast<std::size_t>(scene_.space.split_axis(address.ray_class, address.depth++))];
+      index = static_cast<std::uint16_t>(2 * index + side);
+      const std::int32_t child = new_cell(address, parent);
+      at(parent).child[side] = child;
+      fresh.push_back(child);
+    }
+  }
+  for_each(fresh, [&](std::int32_t cell) { make_list(at(cell)); });
+  for (const std::int32_t cell : fresh) bytes_ += list_bytes(at(cell).count);
+
+  for (std::size_t i = 0; i < round.size(); ++i) {
+    const Share share = round[i];
+    Cell& cell = at(share.cell);
+    cell.held = false;
+    held_bytes_ -= 3 * list_bytes(cell.count) + 2 * sizeof(Cell);  // the cell itself goes on to count
+    if (has_rays(i, 0)) wait({cell.child[0], share.begin, middle[i]});
+    if (has_rays(i, 1)) wait({cell.child[1], middle[i], share.end});
+  }
+  round.clear();
+}
+
+/// Makes the lists that serving cells lack, and tells each ray its cell.
+void RayCells::publish(const RayOrder& rays) {
+  std::vector<std::int32_t> missing;
+  std::size_t needed = 0;
+  for (const Share& leaf : leaves_) {
+    const Cell& cell = at(leaf.cell);
+    if (cell.list || cell.count == 0) continue;
+    missing.push_back(leaf.cell);
+    needed += list_bytes(cell.count);
+  }
+  if (needed > 0) make_room(needed);
+  for_each(missing, [&](std::int32_t cell) { make_list(at(cell)); });
+  bytes_ += needed;
+
+  cell_of_rays_.resize(rays.key.size());
+  served_.resize(leaves_.size());
+  tbb::parallel_for(std::size_t{0}, leaves_.size(), [&](std::size_t i) {
+    const Cell& cell = at(leaves_[i].cell);
+    served_[i] = {cell.list.get(), cell.count, cell.address.ray_class};
+    std::fill(cell_of_rays_.data() + leaves_[i].begin, cell_of_rays_.data() + leaves_[i].end, static_cast<std::int32_t>(i));
+  });
+  const auto prim_count = static_cast<std::int32_t>(scene_.prims.size());
+  const int bits = scene_.space.key_bits();
+  const auto ray_count = static_cast<std::int32_t>(rays.key.size());
+  std::int32_t begin = lower_bound(rays, 0, ray_count, static_cast<std::uint64_t>(kUnclassified) << bits);
+  const std::int32_t nowhere = lower_bound(rays, begin, ray_count, static_cast<std::uint64_t>(kNowhere) << bits);
+  for (const auto& [ray_class, end] : {std::pair{kUnclassified, nowhere}, std::pair{kNowhere, ray_count}}) {
+    std::fill(cell_of_rays_.data() + begin, cell_of_rays_.data() + end, static_cast<std::int32_t>(served_.size()));
+    served_.push_back({nullptr, prim_count, ray_class});
+    begin = end;
+  }
+  find_stats();
+}
+
+void RayCells::find_stats() noexcept {
+  stats_ = {};
+  stats_.leaves = static_cast<std::int64_t>(leaves_.size());
+  double part = 0, leaf_bytes = 0;
+  for (const Share& leaf : leaves_) {
+    const Cell& cell = at(leaf.cell);
+    stats_.candidates += cell.count;
+    part += std::ldexp(1.0 / kRayClasses, -cell.address.depth);
+    leaf_bytes += static_cast<double>(list_bytes(cell.count) + sizeof(Cell));
+  }
+  stats_.kept = static_cast<std::int64_t>(cells_.size() - free_.size());
+  stats_.bytes = bytes_;
+  stats_.full_bytes = part > 0 ? leaf_bytes / part : 0;
+}
+
+}  // namespace raymeter

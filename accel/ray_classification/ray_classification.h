@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+
+#include "accel/technique.h"
+
+namespace raymeter {
+
+struct RayClassificationParams {
+  int leaf_size = 8;
+  std::string split = "widest";
+  int max_depth = 40;
+  int position_bits = 10;
+  int direction_bits = 10;
+  int min_rays = 16;
+  double memory_mb = 256;
+
+  static auto fields() {
+    using Field = Param<RayClassificationParams>;
+    return std::array{
+        Field{"leaf_size", &RayClassificationParams::leaf_size, "a cell of so many candidates is not split", 1, 4096},
+        Field{"split", &RayClassificationParams::split, "the axis to split on: where cells spread the beam most, or each in turn", 0, 0, {"widest", "cycle"}},
+        Field{"max_depth", &RayClassificationParams::max_depth, "splits, each into halves, from one of the six directions to a cell, at most", 0, 56},
+        Field{"position_bits", &RayClassificationParams::position_bits, "splits of each axis of the rays' origins, at most", 0, 12},
+        Field{"direction_bits", &RayClassificationParams::direction_bits, "splits of each axis of the rays' directions, at most", 0, 12},
+        Field{"min_rays", &RayClassificationParams::min_rays, "a cell with fewer rays of a batch is not split for it", 1, 1 << 20},
+        Field{"memory_mb", &RayClassificationParams::memory_mb, "megabytes (2^20) for the cells of one set of queries", 1.0 / 16, 1 << 20},
+    };
+  }
+};
+
+[[nodiscard]] std::unique_ptr<Structure> build_ray_classification(const Scene& scene, const ParamValues& values, int threads);
+
+inline constexpr StructureEntry kRayClassificationEntry{"ray_classification",
+                                                        "5D subdivision of rays: cells of origins and directions list what their rays can meet",
+                                                        "Arvo, Kirk 1987",
+                                                        param_infos<RayClassificationParams>,
+                                                        resolve_params<RayClassificationParams>,
+                                                        build_ray_classification};
+
+}  // namespace raymeter

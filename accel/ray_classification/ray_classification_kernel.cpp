@@ -1,0 +1,171 @@
+// Rays against the candidates of their cells (Arvo, Kirk 1987). Memory: a list of candidates a cell, eight bytes each, in the order in which they begin along
+// the dominant axis; the primitives lie in the structure's own pools. There is nothing to traverse: which cell a ray is in was found for the whole batch
+// (classify_kernel.cpp, ray_order.h), and rays come sorted by cells, so that a packet, gathered from anywhere in the batch, shares one list.
+//
+// Events: leaf_visit once per ray, for its cell; of these empty_leaf_visit where its list is empty; prim_test per candidate that begins before the ray's nearest
+// hit so far. No nodes. Rays that miss the scene's box visit nothing.
+//
+// Why no hit is lost. A cell's list holds all primitives that its rays can hit (beam.h). The search ends, and single candidates are passed over, where one
+// begins beyond the nearest hit: by the slab test of its padded box on the dominant axis alone, which is looser than that of the box. Rays of which beams know
+// nothing, because they start too far away, are tested against everything.
+//
+// It ends after as many steps as the list has candidates.
+
+#include "accel/ray_classification/ray_classification_kernel.h"
+
+#include "core/geometry/run_kernel.h"
+#include "core/ray/packet_loop.h"
+#include "core/stats/policy.h"
+
+namespace raymeter {
+
+namespace {
+
+/// Candidates that are tested between two looks at whether any ray has need of more.
+constexpr std::int32_t kBlock = 8;
+
+/// The lanes for which a candidate begins no later than their nearest hit.
+template <class L>
+[[gnu::always_inline]] inline typename L::Mask begins_before_hit(const RayPacket<L>& ray, const HitPacket<L>& hit, int axis, float plane) noexcept {
+  using Float = typename L::Float;
+  const Float crossing = (Float(plane) - ray.org[axis]) * ray.inv_dir[axis];
+  return L::mul_add(crossing, Float(1.0f - kSlabPadding), -ray.slab_slack) <= hit.t;
+}
+
+/// A block of a cell's list.
+template <class L, int kGroups>
+struct CandidateRefs {
+  static constexpr bool kSelective = true;
+  const Candidate* list;
+  const Packet<L, kGroups>* packet;
+  int axis;
+  float sign;
+
+  [[nodiscard]] std::int32_t index(std::int32_t k) const noexcept { return list[k].index(); }
+  [[nodiscard]] typename L::Mask wanted(typename L::Mask lanes, int group, std::int32_t k) const noexcept {
+    return lanes & begins_before_hit(packet->ray[group], packet->hit[group], axis, sign * list[k].start);
+  }
+};
+
+template <Query Q, class L, int kGroups, class Stats>
+void visit_cell(const RayCellsView& view, const RayCell& cell, Packet<L, kGroups>& packet, Stats stats) noexcept {
+  typename L::Mask lanes[Packet<L, kGroups>::kCapacity];
+  const int axis = cell.ray_class >> 1;
+  const float sign = (cell.ray_class & 1) != 0 ? -1.0f : 1.0f;
+  for (std::int32_t k = 0; k < cell.count;) {
+    bool wanted = false;
+    for (int g = 0; g < packet.group_count(); ++g) {
+      lanes[g] = begins_before_hit(packet.ray[g], packet.hit[g], axis, sign * cell.list[k].start);
+      wanted = wanted || L::any(lanes[g]);
+    }
+    if (!wanted) return;
+    std::int32_t end = k + 1;
+    while (end < cell.count && end - k < kBlock && cell.list[end].kind() == cell.list[k].kind()) ++end;
+    test_refs<Q, L, kGroups>(packet, lanes, view.pools, static_cast<PrimKind>(cell.list[k].kind()), end - k,
+                             CandidateRefs<L, kGroups>{cell.list + k, &packet, axis, sign}, stats);
+    k = end;
+  }
+}
+
+template <Query Q, class L, int kGroups, class Stats>
+void visit_everything(const RayCellsView& view, Packet<L, kGroups>& packet, Stats stats) noexcept {
+  typename L::Mask live[Packet<L, kGroups>::kCapacity];
+  for (int g = 0; g < packet.group_count(); ++g) live[g] = packet.live(g);
+  for (std::size_t kind = 0; kind < kPrimKindCount; ++kind) {
+    test_refs<Q, L, kGroups>(packet, live, view.pools, static_cast<PrimKind>(kind), view.prim_count[kind], PositionRefs{0}, stats);
+  }
+}
+
+/// The rays of a packet, brought together from their places in the batch, and their answers on the way back.
+template <class L>
+struct Gathered {
+  alignas(64) std::int32_t place[kMaxPacket];
+  alignas(64) float columns[8][kMaxPacket];
+  alignas(64) float t[kMaxPacket], u[kMaxPacket], v[kMaxPacket];
+  alignas(64) std::int32_t prim[kMaxPacket];
+
+  RayView load(const RayView& rays, const std::int32_t* order, std::int32_t count) noexcept {
+    const std::int32_t whole = (count + L::kWidth - 1) / L::kWidth * L::kWidth;
+    for (std::int32_t k = 0; k < whole; ++k) place[k] = order[k < count ? k : 0];
+    const float* const from[8] = {rays.org[0], rays.org[1], rays.org[2], rays.dir[0], rays.dir[1], rays.dir[2], rays.t_min, rays.t_max};
+    for (int c = 0; c < 8; ++c) {
+      for (std::int32_t k = 0; k < whole; k += L::kWidth) L::store(columns[c] + k, L::gather(from[c], L::load(place + k)));
+    }
+    return {{columns[0], columns[1], columns[2]}, {columns[3], columns[4], columns[5]}, columns[6], columns[7], count};
+  }
+
+  template <Query Q, int kGroups>
+  void store(const TraceArgs& args, std::int32_t count, const Packet<L, kGroups>& packet) noexcept {
+    store_packet<Q>({{}, {t, prim, u, v, count}, prim, args.packet, nullptr}, 0, count, packet);
+    for (std::int32_t k = 0; k < count; ++k) {
+      const std::int32_t at = place[k];
+      if constexpr (Q == Query::any) {
+        args.blocker[at] = prim[k];
+      } else {
+        args.hits.t[at] = t[k];
+        args.hits.prim[at] = prim[k];
+        args.hits.u[at] = u[k];
+        args.hits.v[at] = v[k];
+      }
+    }
+  }
+};
+
+template <Query Q>
+void store_miss(const TraceArgs& args, std::int32_t at) noexcept {
+  if constexpr (Q == Query::any) {
+    args.blocker[at] = -1;
+  } else {
+    args.hits.t[at] = kInfinity;
+    args.hits.prim[at] = -1;
+    args.hits.u[at] = 0;
+    args.hits.v[at] = 0;
+  }
+}
+
+template <Query Q, class L, int kGroups, class Stats>
+void trace_slice(const RayCellsView& view, const TraceArgs& args, Stats stats) noexcept {
+  Packet<L, kGroups> packet;
+  Gathered<L> rays;
+  for (std::int32_t first = 0; first < args.rays.count;) {
+    const std::int32_t number = view.cell[first];
+    const RayCell& cell = view.cells[number];
+    if (cell.ray_class == kNowhere) {
+      store_miss<Q>(args, view.order[first++]);
+      continue;
+    }
+    std::int32_t count = 1;
+    while (count < args.packet && first + count < args.rays.count && view.cell[first + count] == number) ++count;
+    load_packet(rays.load(args.rays, view.order + first, count), 0, count, packet);
+    for (int g = 0; g < packet.group_count(); ++g) {
+      stats.template count<Event::leaf_visit, L>(packet.live(g));
+      if (Stats::kCounting && cell.count == 0) stats.template count<Event::empty_leaf_visit, L>(packet.live(g));
+    }
+    if (cell.ray_class == kUnclassified) visit_everything<Q>(view, packet, stats);
+    else visit_cell<Q>(view, cell, packet, stats);
+    rays.template store<Q>(args, count, packet);
+    first += count;
+  }
+}
+
+template <Query Q, class L, class Stats>
+void trace(const RayCellsView& view, const TraceArgs& args, Stats stats) noexcept {
+  with_groups<L>(args.packet, [&]<int kGroups>() noexcept { trace_slice<Q, L, kGroups>(view, args, stats); });
+}
+
+}  // namespace
+
+template <Isa I, class Stats>
+void RayClassificationKernel<I, Stats>::closest(const RayCellsView& view, const TraceArgs& args, Counters* counters) noexcept {
+  trace<Query::closest, Lanes<I>>(view, args, Stats(counters));
+}
+
+template <Isa I, class Stats>
+void RayClassificationKernel<I, Stats>::any(const RayCellsView& view, const TraceArgs& args, Counters* counters) noexcept {
+  trace<Query::any, Lanes<I>>(view, args, Stats(counters));
+}
+
+template struct RayClassificationKernel<kKernelIsa, NoStats>;
+template struct RayClassificationKernel<kKernelIsa, CountStats>;
+
+}  // namespace raymeter

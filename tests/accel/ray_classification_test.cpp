@@ -1,0 +1,200 @@
+// Ray classification against the list: adversarial rays, small budgets, threads and history; what it counts and what it refuses.
+
+#include <algorithm>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include "accel/ray_classification/ray_classification.h"
+#include "accel/ray_classification/ray_space.h"
+#include "experiments/scenes/scene_source.h"
+#include "tests/support/random.h"
+#include "tests/support/test_rays.h"
+#include "tests/support/traces.h"
+
+namespace raymeter {
+namespace {
+
+Isa best_isa() {
+  Isa best = Isa::scalar;
+  for (const Isa isa : kIsas) {
+    if (available(isa)) best = isa;
+  }
+  return best;
+}
+
+Aabb box_of(const Scene& scene) {
+  Aabb box;
+  for (std::int32_t id = 0; id < scene.prim_id_count(); ++id) {
+    if (!scene.prim(id).dropped()) box.grow(padded_bounds(scene.pools(), scene.prim(id)));
+  }
+  return box;
+}
+
+/// A direction with components that tie, vanish with either sign, are denormal or huge: slopes of 0, -0 and +-1, and those where cells of slopes meet.
+glm::dvec3 hard_direction(test::Random& random) {
+  for (;;) {
+    glm::dvec3 dir;
+    for (glm::length_t a = 0; a < 3; ++a) {
+      switch (random.below(8)) {
+        case 0: dir[a] = 0.0; break;
+        case 1: dir[a] = -0.0; break;
+        case 2: dir[a] = random.below(2) == 0 ? 1 : -1; break;
+        case 3: dir[a] = std::ldexp(random.uniform(-1, 1), -130); break;
+        case 4: dir[a] = std::ldexp(static_cast<double>(random.below(2049)) - 1024, -10); break;
+        case 5: dir[a] = std::nextafterf(random.below(2) == 0 ? 1.0f : -1.0f, random.below(2) == 0 ? 2.0f : -2.0f); break;
+        default: dir[a] = random.uniform(-1, 1);
+      }
+    }
+    if (random.below(8) == 0) dir *= std::ldexp(1.0, static_cast<int>(random.below(200)) - 100);
+    if (glm::vec3(dir) != glm::vec3(0.0f)) return dir;
+  }
+}
+
+/// Rays from corners, edges and faces of five-dimensional cells and of the scene's box, from inside and outside of it, near and beyond reach.
+RayBatch adversarial_rays(const Scene& scene, std::size_t count, std::uint64_t seed) {
+  test::Random random(seed);
+  const Aabb box = box_of(scene);
+  const RaySpace space(box, RayClassificationParams{});
+  RayBatch rays;
+  rays.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    glm::dvec3 org;
+    for (glm::length_t a = 0; a < 3; ++a) {
+      const double extent = double{box.max[a]} - double{box.min[a]};
+      const int splits = static_cast<int>(random.below(11));
+      switch (random.below(6)) {
+        case 0: org[a] = double{box.min[a]}; break;
+        case 1: org[a] = double{box.max[a]}; break;
+        case 2: org[a] = double{std::nextafterf(box.max[a], random.below(2) == 0 ? 1e30f : -1e30f)}; break;
+        case 3: org[a] = double{box.min[a]} + extent * random.uniform(-1, 2); break;
+        default: org[a] = space.border(a, splits, static_cast<std::uint32_t>(random.below((std::size_t{1} << splits) + 1)));
+      }
+    }
+    if (random.below(50) == 0) org *= 100;
+    const glm::dvec3 dir = random.below(4) == 0 ? test::point_of(scene, scene.prim(static_cast<std::int32_t>(random.below(
+                                                                            static_cast<std::size_t>(scene.prim_id_count())))), random) - org
+                                                : hard_direction(random);
+    rays.push_back(test::make_ray(org, dir));
+  }
+  return rays;
+}
+
+/// Two hundred and fifty thousand of them on each of four scenes.
+TEST(RayClassification, AMillionAdversarialRaysHitWhatTheListHits) {
+  for (const char* name : {"mixed", "flat", "huge among tiny", "cones"}) {
+    const Scene& scene = test::scene_named(name);
+    SCOPED_TRACE(name);
+    const RayBatch rays = adversarial_rays(scene, 250'000, 11);
+    const Isa isa = best_isa();
+    const StructureEntry& list = structure_entry("list");
+    HitBatch expected, hits;
+    const auto list_structure = list.build(scene, list.resolve({}), 1);
+    trace_closest(*list_structure->intersector({isa, 64, list.resolve({})}), rays, expected, 1);
+    const TechniqueSpec spec = parse_technique("ray_classification:min_rays=4");
+    const auto structure = spec.structure->build(scene, spec.params, 1);
+    const auto tracer = structure->intersector({isa, 16, spec.params});
+    tracer->prepare(rays.view(), Query::closest, 2);
+    Counters counters;
+    trace_closest(*tracer, rays, hits, 2, &counters);
+    test::expect_same_hits(hits, expected, rays);
+    EXPECT_LE(counters.live(Event::leaf_visit), rays.size()) << "a ray is in one cell";
+    EXPECT_LE(counters.live(Event::prim_test), rays.size() * static_cast<std::size_t>(scene.prim_count())) << "and tests no primitive twice";
+  }
+}
+
+TEST(RayClassification, BudgetsChangeCountsAndNoAnswer) {
+  const Scene scene = load_scene("gen:terrain:2000");
+  const test::Reference reference(scene, best_isa());
+  std::uint64_t before = ~std::uint64_t{0};
+  for (const char* budget : {"0.1875", "0.5", "1", "4", "256"}) {
+    const TechniqueSpec spec = parse_technique(std::string("ray_classification:min_rays=1,memory_mb=") + budget);
+    const auto structure = spec.structure->build(scene, spec.params, 1);
+    const test::Traced traced = test::trace(*structure, {best_isa(), 1, spec.params}, reference.rays);
+    test::expect_same_hits(traced.hits, reference.list.hits, reference.rays);
+    EXPECT_LT(traced.closest.live(Event::prim_test), before) << budget;
+    before = traced.closest.live(Event::prim_test);
+  }
+}
+
+TEST(RayClassification, TooSmallABudgetIsAnErrorThatNamesTheLeast) {
+  const Scene scene = load_scene("gen:terrain:20000");
+  const auto build = [&](const std::string& budget) {
+    const TechniqueSpec spec = parse_technique("ray_classification:memory_mb=" + budget);
+    return spec.structure->build(scene, spec.params, 1);
+  };
+  try {
+    (void)build("0.0625");
+    FAIL() << "20000 primitives in 64 KiB";
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.find("memory_mb: 0.0625 is too little"), 0u) << text;
+    const std::size_t least = text.find("at least ");
+    ASSERT_NE(least, std::string::npos) << text;
+    EXPECT_NO_THROW((void)build(text.substr(least + 9)));
+  }
+}
+
+TEST(RayClassification, CountsDependNeitherOnThreadsNorOnHistory) {
+  const Scene& scene = test::scene_named("mixed");
+  const RayBatch batch = adversarial_rays(scene, 20'000, 12), other = adversarial_rays(scene, 30'000, 13);
+  for (const char* technique : {"ray_classification", "ray_classification:min_rays=1,memory_mb=0.0625"}) {
+    const TechniqueSpec spec = parse_technique(technique);
+    const auto structure = spec.structure->build(scene, spec.params, 1);
+    const auto counts = [&](Intersector& tracer, const RayBatch& rays, int threads) {
+      tracer.prepare(rays.view(), Query::closest, threads);
+      HitBatch hits;
+      Counters counters;
+      trace_closest(tracer, rays, hits, threads, &counters);
+      return counters;
+    };
+    const QueryOptions options{best_isa(), 64, spec.params};
+    const Counters expected = counts(*structure->intersector(options), batch, 1);
+    for (const int threads : {1, 2, 7}) {
+      const auto tracer = structure->intersector(options);
+      (void)counts(*tracer, other, threads);
+      EXPECT_EQ(counts(*tracer, batch, threads), expected) << technique << ", " << threads << " threads";
+      EXPECT_EQ(counts(*tracer, batch, threads), expected) << technique << ", steady, " << threads << " threads";
+    }
+  }
+}
+
+TEST(RayClassification, PacketsOfACellShareItsList) {
+  const Scene& scene = test::scene_named("mixed");
+  const RayBatch rays = test::coherent_rays(scene);
+  const Isa isa = best_isa();
+  if (simd_width(isa) == 1) GTEST_SKIP() << "a register of one lane shares nothing";
+  const TechniqueSpec spec = parse_technique("ray_classification");
+  const test::Traced traced = test::trace(*spec.structure->build(scene, spec.params, 1), {isa, kMaxPacket, spec.params}, rays);
+  EXPECT_LT(traced.closest.executed(Event::leaf_visit) * 4, traced.closest.live(Event::leaf_visit));
+  EXPECT_LT(traced.closest.executed(Event::prim_test) * 2, traced.closest.live(Event::prim_test));
+}
+
+std::size_t resident_bytes() {
+  std::ifstream statm("/proc/self/statm");
+  std::size_t pages = 0, resident = 0;
+  statm >> pages >> resident;
+  return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+TEST(RayClassification, ResidentMemoryStaysWithinATenthOfTheBudget) {
+  const Scene scene = load_scene("gen:terrain:100000");
+  const TechniqueSpec spec = parse_technique("ray_classification:min_rays=1,leaf_size=1,memory_mb=64");
+  const auto structure = spec.structure->build(scene, spec.params, 1);
+  const auto tracer = structure->intersector({best_isa(), 16, spec.params});
+  RayBatch rays = adversarial_rays(scene, 20'000, 14);
+  HitBatch hits;
+  hits.resize(rays.size());
+  const std::size_t before = resident_bytes();
+  for (std::uint64_t seed = 15; seed < 19; ++seed) {
+    tracer->prepare(rays.view(), Query::closest, 1);
+    const std::size_t of_rays = rays.size() * 32;  // keys, places and cells of rays, with room for sorting
+    EXPECT_LE(resident_bytes(), before + of_rays + (std::size_t{64} << 20) * 11 / 10);
+    rays = adversarial_rays(scene, 20'000, seed);
+  }
+}
+
+}  // namespace
+}  // namespace raymeter
