@@ -180,19 +180,19 @@ std::size_t resident_bytes() {
 }
 
 TEST(RayClassification, ResidentMemoryStaysWithinATenthOfTheBudget) {
-  const Scene scene = load_scene("gen:terrain:100000");
-  const TechniqueSpec spec = parse_technique("ray_classification:min_rays=1,leaf_size=1,memory_mb=64");
+  const Scene scene = load_scene("gen:terrain:50000");
+  const TechniqueSpec spec = parse_technique("ray_classification:min_rays=1,leaf_size=1,memory_mb=32");
   const auto structure = spec.structure->build(scene, spec.params, 1);
   const auto tracer = structure->intersector({best_isa(), 16, spec.params});
-  RayBatch rays = adversarial_rays(scene, 20'000, 14);
+  RayBatch rays = adversarial_rays(scene, 6000, 14);
   HitBatch hits;
   hits.resize(rays.size());
   const std::size_t before = resident_bytes();
   for (std::uint64_t seed = 15; seed < 19; ++seed) {
     tracer->prepare(rays.view(), Query::closest, 1);
     const std::size_t of_rays = rays.size() * 32;  // keys, places and cells of rays, with room for sorting
-    EXPECT_LE(resident_bytes(), before + of_rays + (std::size_t{64} << 20) * 11 / 10);
-    rays = adversarial_rays(scene, 20'000, seed);
+    EXPECT_LE(resident_bytes(), before + of_rays + (std::size_t{32} << 20) * 11 / 10);
+    rays = adversarial_rays(scene, 6000, seed);
   }
 }
 
