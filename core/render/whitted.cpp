@@ -9,6 +9,7 @@
 
 #include "core/ray/generators.h"
 #include "core/ray/pixel_order.h"
+#include "core/render/radiance_bound.h"
 #include "core/render/wavefront.h"
 #include "core/trace/trace.h"
 
@@ -39,6 +40,10 @@ public:
     const auto start = Clock::now();
     const CameraModel& model = options_.model;
     out_.image = {model.width, model.height, Column<glm::vec3>(static_cast<std::size_t>(model.pixel_count()), glm::vec3(0))};
+    if (options_.bound) {
+      largest_ = largest_radiance(scene_, options_.termination.max_depth);
+      out_.bound.resize(out_.image.pixel.size(), glm::vec3(0));
+    }
     in_phase(FramePhase::first_hit, 0, [&](Counters*) { first_hit_.begin(model, options_.threads); });
     in_phase(FramePhase::shadow, 0, [&](Counters*) { occlusion_->begin(); });
     const PixelOrder order(model.width, model.height);
@@ -56,6 +61,7 @@ private:
     const std::size_t size = pixels_.size();
     sum_.assign(size, glm::dvec3(0));
     deepest_.assign(size, 0);
+    if (options_.bound) cut_.assign(size, glm::dvec3(0));
     Generation eye;
     eye.rays = eye_rays(options_.model, pixels_, options_.threads);
     eye.slot.resize(size);
@@ -65,6 +71,7 @@ private:
     for (std::size_t i = 0; i < size; ++i) {
       out_.image.pixel[static_cast<std::size_t>(pixels_[i])] = glm::vec3(sum_[i]);
       out_.depth.deepest_sum += deepest_[i];
+      if (options_.bound) out_.bound[static_cast<std::size_t>(pixels_[i])] = bound_of(cut_[i], sum_[i], options_.termination.max_depth);
     }
   }
 
@@ -184,9 +191,13 @@ private:
     });
   }
 
-  void spawn(Generation& out, const ShadingPoint& point, const glm::dvec3& dir, double share, int depth) const {
+  void spawn(Generation& out, const ShadingPoint& point, const glm::dvec3& dir, double share, int depth) {
     const glm::vec3 weight(glm::dvec3(point.weight) * share);
-    if (!options_.termination.follows(depth, std::max({weight.x, weight.y, weight.z}))) return;
+    if (!options_.termination.follows(depth, std::max({weight.x, weight.y, weight.z}))) {
+      if (options_.bound)
+        cut_[static_cast<std::size_t>(point.slot)] += largest_share(weight, largest_[static_cast<std::size_t>(options_.termination.max_depth - depth + 1)]);
+      return;
+    }
     out.push_back(spawn_ray(point.surface, dir, rules_.distance_min), point.slot, weight);
   }
 
@@ -229,6 +240,8 @@ private:
   Column<std::int32_t> pixels_;  ///< of the band
   std::vector<glm::dvec3> sum_;  ///< their radiance so far
   std::vector<int> deepest_;     ///< the depth of their rays so far
+  std::vector<glm::dvec3> cut_;  ///< what the rays that were cut off could have brought them
+  std::vector<glm::dvec3> largest_;
   Rendering out_;
 };
 

@@ -45,6 +45,7 @@ struct RenderOptions {
   int threads = 0;                 ///< 0: all
   bool count = false;              ///< the counting kernels trace
   Occlusion* occlusion = nullptr;  ///< what answers shadow rays; null: the intersector
+  bool bound = false;              ///< Rendering::bound is worked out
 };
 
 struct Rendering {
@@ -52,6 +53,9 @@ struct Rendering {
   RayCounts rays;
   DepthCounts depth;
   FrameTotals totals;
+  /// Where asked for, [y * width + x]: how far the pixel is at most from that of the image which min_weight cuts nowhere. The sum over the rays that it cut off
+  /// of weight times the largest radiance that such a ray can carry (core/render/radiance_bound.h), and what rounding adds.
+  Column<glm::vec3> bound;
 };
 
 /// Renders a scene after Whitted 1980 (CACM 23(6)), under the conditions of the Standard Procedural Databases:

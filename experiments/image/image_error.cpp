@@ -96,4 +96,27 @@ ImageError image_error(const Image& image, const Image& reference) {
   return error;
 }
 
+BoundCheck check_bound(const Image& image, const Image& reference, const Column<glm::vec3>& bound) {
+  BoundCheck check;
+  for (std::size_t i = 0; i < image.pixel.size(); ++i) {
+    bool exceeded = false;
+    for (glm::length_t channel = 0; channel < 3; ++channel) {
+      const double error = std::abs(double{image.pixel[i][channel]} - double{reference.pixel[i][channel]});
+      const double most = bound[i][channel];
+      check.error_mean += error;
+      check.bound_mean += most;
+      check.error_max = std::max(check.error_max, error);
+      check.bound_max = std::max(check.bound_max, most);
+      exceeded = exceeded || !(error <= most);
+    }
+    check.exceeded += exceeded ? 1 : 0;
+  }
+  if (!image.pixel.empty()) {
+    const double values = 3 * static_cast<double>(image.pixel.size());
+    check.error_mean /= values;
+    check.bound_mean /= values;
+  }
+  return check;
+}
+
 }  // namespace raymeter

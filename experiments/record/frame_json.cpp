@@ -1,5 +1,7 @@
 #include "experiments/record/frame_json.h"
 
+#include <cmath>
+#include <limits>
 #include <string>
 
 #include "experiments/record/counter_columns.h"
@@ -9,6 +11,10 @@ namespace raymeter {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// JSON has no infinity: what is not finite, as the error of an image that is not, is null, and infinite when read.
+Json finite_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+double number_from_json(const nlohmann::json& json) { return json.is_null() ? std::numeric_limits<double>::infinity() : json.get<double>(); }
 
 RayCounts rays_from_json(const nlohmann::json& json) {
   return {json.at("primary"),        json.at("primary_hit"), json.at("reflection"), json.at("reflection_hit"), json.at("refraction"),
@@ -36,8 +42,13 @@ Json to_json(const FrameRecord& record) {
           {"generations", record.depth.generation},
           {"deepest_sum", record.depth.deepest_sum},
           {"rays_full", record.rays_full},
-          {"rmse", record.error.rmse},
-          {"ssim", record.error.ssim ? Json(*record.error.ssim) : Json(nullptr)},
+          {"rmse", finite_json(record.error.rmse)},
+          {"ssim", record.error.ssim ? finite_json(*record.error.ssim) : Json(nullptr)},
+          {"error_mean", finite_json(record.bound.error_mean)},
+          {"error_max", finite_json(record.bound.error_max)},
+          {"bound_mean", finite_json(record.bound.bound_mean)},
+          {"bound_max", finite_json(record.bound.bound_max)},
+          {"bound_exceeded", record.bound.exceeded},
           {"counters", counters}};
 }
 
@@ -47,8 +58,10 @@ FrameRecord frame_from_json(const nlohmann::json& json) {
   json.at("generations").get_to(record.depth.generation);
   record.depth.deepest_sum = json.at("deepest_sum");
   record.rays_full = json.at("rays_full");
-  record.error.rmse = json.at("rmse");
+  record.error.rmse = number_from_json(json.at("rmse"));
   if (!json.at("ssim").is_null()) record.error.ssim = json.at("ssim").get<double>();
+  record.bound = {number_from_json(json.at("error_mean")), number_from_json(json.at("error_max")), number_from_json(json.at("bound_mean")),
+                  number_from_json(json.at("bound_max")), json.at("bound_exceeded")};
   for (const FramePhase phase : kFramePhases) {
     record.counters[static_cast<std::size_t>(phase)] = counters_from_json(json.at("counters").at(std::string(name(phase))));
   }

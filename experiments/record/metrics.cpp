@@ -94,6 +94,12 @@ constexpr std::array kMetrics{
     Metric{Table::frames, "mean_depth", lower, "mean over the eye rays of the deepest ray that comes of each"},
     Metric{Table::frames, "deepest", exact, "depth of the deepest ray"},
     Metric{Table::frames, "generations", exact, "eye, reflection and refraction rays of depth 1, 2, ..."},
+    Metric{Table::frames, "error_mean", lower, "mean absolute error of a pixel's channel against the image that is cut nowhere"},
+    Metric{Table::frames, "error_max", lower, "the largest"},
+    Metric{Table::frames, "bound_mean", lower,
+           "mean of what was promised of it: over the rays that were cut off, weight x largest radiance that a ray can carry"},
+    Metric{Table::frames, "bound_max", lower, "the largest"},
+    Metric{Table::frames, "bound_exceeded", exact, "pixels whose error is above their bound"},
 
     Metric{Table::summary, "n", neither, "timed passes"},
     Metric{Table::summary, "median_ns_per_ray", lower, "median over the passes"},

@@ -60,6 +60,8 @@ void add_frame_rows(const Source& source, const Experiment& cell, const RowPhase
   row.push_back(number(frame.depth.mean()));
   row.push_back(std::to_string(frame.depth.generation.size()));
   row.push_back(fmt::format("{}", fmt::join(frame.depth.generation, " ")));
+  for (const double value : {frame.bound.error_mean, frame.bound.error_max, frame.bound.bound_mean, frame.bound.bound_max}) row.push_back(number(value));
+  row.push_back(number(frame.bound.exceeded));
   add(std::move(row));
 }
 

@@ -55,6 +55,7 @@ struct FrameRecord {
   std::array<Counters, kFramePhases.size()> counters;  ///< by phase
   std::int64_t rays_full = 0;                          ///< of the frame that is cut nowhere
   ImageError error;
+  BoundCheck bound;
 };
 
 /// A cell before its timed passes: verified and counted, or why not.

@@ -43,15 +43,18 @@ const FrameVerification::Reference& FrameVerification::reference(double min_weig
   return found->second;
 }
 
-FrameVerdict FrameVerification::judge(const Answers& answers, double min_weight) {
+FrameVerdict FrameVerification::judge(const Answers& answers, double min_weight, const Column<glm::vec3>& bound) {
   FrameVerdict verdict;
   verdict.mismatches = count_differences(answers, reference(min_weight).answers);
   const Reference& full = reference(0);
   verdict.error = image_error(answers.image, full.answers.image);
   verdict.rays_full = full.rays;
+  verdict.bound = check_bound(answers.image, full.answers.image, bound);
   const std::size_t pixels = answers.image.pixel.size();
   if (static_cast<double>(verdict.mismatches) > options_.hit_mismatch_max * static_cast<double>(pixels))
     verdict.complaint = fmt::format("{} of {} pixels are wrong", verdict.mismatches, pixels);
+  else if (verdict.mismatches == 0 && verdict.bound.exceeded > 0)
+    verdict.complaint = fmt::format("{} of {} pixels are further from the image that is cut nowhere than promised", verdict.bound.exceeded, pixels);
   else if (accuracy_ && !accuracy_->ok(options_.hit_mismatch_max))
     verdict.complaint = fmt::format("{} of {} rays of the reference have wrong hits", accuracy_->mismatches(), accuracy_->rays_checked);
   return verdict;

@@ -18,6 +18,7 @@ struct FrameVerdict {
   std::int64_t mismatches = 0;  ///< pixels that differ from the reference's
   ImageError error;             ///< against the reference's image that is cut nowhere
   std::int64_t rays_full = 0;   ///< of that image
+  BoundCheck bound;             ///< the error beside what was promised
 };
 
 /// Holds the images of one instruction set and one greatest depth, bit for bit, against those that a reference technique makes with the same least weights. The
@@ -26,8 +27,8 @@ class FrameVerification {
 public:
   /// `oracle` may be null: no exact check.
   FrameVerification(const Oracle* oracle, const Frame& frame, Intersector& reference, const VerifyOptions& options, std::uint64_t seed);
-  /// An image with that least weight.
-  [[nodiscard]] FrameVerdict judge(const Answers& answers, double min_weight);
+  /// An image with that least weight, and what was promised of its pixels.
+  [[nodiscard]] FrameVerdict judge(const Answers& answers, double min_weight, const Column<glm::vec3>& bound);
   /// What the oracle says of the reference.
   [[nodiscard]] const std::optional<Accuracy>& accuracy() const noexcept { return accuracy_; }
 

@@ -51,6 +51,7 @@ struct FramePass {
   RayCounts rays;
   DepthCounts depth;
   FrameTotals totals;
+  Column<glm::vec3> bound;  ///< Rendering::bound, where the counting kernels trace
 };
 
 /// Renders the frame once. `count`: by the counting kernels.

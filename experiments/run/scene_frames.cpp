@@ -32,7 +32,7 @@ void SceneRun::check_frame(Live& live, FrameVerification& verification) {
   tell("checking " + technique_text(cell));
   const FramePass pass = run_frame(live.tracers(), live.frame, cell.threads, answers_, true);
   live.spent_s += pass.time.trace_ms * 1e-3;
-  const FrameVerdict verdict = verification.judge(answers_, cell.min_weight);
+  const FrameVerdict verdict = verification.judge(answers_, cell.min_weight, pass.bound);
   CheckRecord record;
   record.cell = cell.id;
   record.rays = pass.rays.all();
@@ -41,7 +41,7 @@ void SceneRun::check_frame(Live& live, FrameVerification& verification) {
   record.hit_hash = hex_text(answers_.hash());
   record.hit_mismatch = verdict.mismatches;
   if (const auto& accuracy = verification.accuracy()) record.accuracy = to_record(*accuracy, pass.rays.primary_hit > 0);
-  record.frame = FrameRecord{pass.rays, pass.depth, {}, verdict.rays_full, verdict.error};
+  record.frame = FrameRecord{pass.rays, pass.depth, {}, verdict.rays_full, verdict.error, verdict.bound};
   for (std::size_t phase = 0; phase < kFramePhases.size(); ++phase) record.frame->counters[phase] = pass.totals.phase[phase].counters;
   if (!verdict.complaint.empty()) {
     record.status = Status::wrong;

@@ -66,6 +66,9 @@ GLOSSARY: dict[str, list[Term]] = {
         Term("mean_depth", "", "Mean over the eye rays of the deepest ray that comes of each; an eye ray has depth 1."),
         Term("deepest", "", "Depth of the deepest ray."),
         Term("generations", "rays", "Eye, reflection and refraction rays of depth 1, 2, ..."),
+        Term("error_mean, error_max", "radiance", "Absolute error of a pixel's channel against the image that is cut nowhere."),
+        Term("bound_mean, bound_max", "radiance", "What was promised of it, pixel by pixel: over its cut rays, weight times the largest radiance a ray can carry."),
+        Term("bound_exceeded", "pixels", "Pixels whose error is above their bound. Must be 0."),
     ],
     "builds.csv": [
         Term("build_ms", "ms", "Time to build the structure.", "T_B"),

@@ -33,7 +33,7 @@ FILE_COLUMNS: dict[str, list[str]] = {
     ).split(),
     "frames": (
         "rays_traced primary primary_hit reflection reflection_hit refraction refraction_hit tir shadow shadow_blocked rays_saved mean_depth deepest "
-        "generations"
+        "generations error_mean error_max bound_mean bound_max bound_exceeded"
     ).split(),
 }
 OPTIONAL_FILES = frozenset(("frames",))  # runs of earlier versions, which knew no images, lack it

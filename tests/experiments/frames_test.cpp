@@ -191,6 +191,10 @@ TEST_F(FrameRun, RecordsPhasesRaysAndErrors) {
     EXPECT_GT(check.accuracy->rays_checked, 384) << "eye rays and others";
     const bool cut = cell.min_weight > 0;
     EXPECT_EQ(frame.error.rmse > 0, cut);
+    EXPECT_EQ(frame.bound.error_max > 0, cut);
+    EXPECT_GE(frame.bound.bound_max, frame.bound.error_max);
+    EXPECT_GE(frame.bound.bound_mean, frame.bound.error_mean);
+    EXPECT_EQ(frame.bound.exceeded, 0);
     EXPECT_EQ(frame.rays_full > frame.rays.all(), cut);
     EXPECT_EQ(frame.rays.reflection > 0, !cut);
     for (const auto& [index, sample] : log.samples.at(cell.id)) {

@@ -20,7 +20,7 @@ COLUMNS = {  # the contract
                 ",node_visits_per_ray,prim_tests_per_ray,simd_utilization",
     "accuracy": "rays_checked,false_miss,false_hit,wrong_prim,self_hits,t_ulp_p50,t_ulp_p99,t_ulp_max,image_rmse,image_psnr,image_ssim",
     "frames": "rays_traced,primary,primary_hit,reflection,reflection_hit,refraction,refraction_hit,tir,shadow,shadow_blocked,rays_saved,mean_depth,deepest,"
-              "generations",
+              "generations,error_mean,error_max,bound_mean,bound_max,bound_exceeded",
     "summary": "n,median_ns_per_ray,ci_lo,ci_hi,mad,mrays_per_s,build_ms,time_to_image_ms,mem_bytes,node_visits_per_ray,prim_tests_per_ray,simd_utilization,"
                "ratio_vs_ref,ratio_lo,ratio_hi,hit_mismatch,status",
 }
