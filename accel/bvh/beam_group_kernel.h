@@ -3,7 +3,7 @@
 // A packet's rays in beams of up to sixteen: slim enough to cull single triangles. A beam around all of them is tested against a node's children first, and the
 // beams themselves, side by side in a register, against the children that it meets.
 
-#include "accel/bvh/beam_kernel.h"
+#include "accel/bvh/beam_node_kernel.h"
 
 namespace raymeter {
 

@@ -10,7 +10,6 @@
 // primitive's box, and that far from its ray along k too, where the ray moves by e times its slope. The planes are moved apart and the lines outwards by
 // kBeamPadding m (1 + steepest slope): that, and the roundings of the lines themselves, whose coordinates are below m (1 + 2 slope).
 
-#include "accel/bvh/wide_layout.h"
 #include "core/geometry/error_bounds.h"
 #include "core/ray/packet_loop.h"
 
@@ -178,54 +177,6 @@ inline bool set_lines(const BeamEnds& ends, float scene_extent, Beam& beam) noex
   }
   beam.slim = width <= kSlimBeam * scene_extent;
   return width < kInfinity;
-}
-
-/// Which of a node's children the beam meets before the plane `farthest`, as bits.
-template <class L>
-inline std::uint32_t children_met(const Beam& beam, const WideNode& node, float farthest) noexcept {
-  using Float = typename L::Float;
-  constexpr int kStep = L::kWidth < kWideChildren ? L::kWidth : kWideChildren;
-  const float* const least = node.plane[beam.axis];
-  const float* const greatest = node.plane[beam.axis + 3];
-  std::uint32_t met = 0;
-  for (int c = 0; c < kWideChildren; c += kStep) {  // a wider register reads on into the next row, to no effect
-    auto inside = (L::load(least + c) <= Float(beam.greatest(farthest))) & (L::load(greatest + c) >= Float(beam.least(farthest)));
-    for (int i = 0; i < 2; ++i) {
-      const int a = beam.across[i];
-      const BeamLine &low = beam.low[i], &high = beam.high[i];
-      const float* const lowest = low.slope >= 0 ? least : greatest;
-      const float* const highest = high.slope >= 0 ? greatest : least;
-      inside = inside & (L::load(node.plane[a + 3] + c) >= L::mul_add(Float(low.slope), L::load(lowest + c), Float(low.at_zero))) &
-               (L::load(node.plane[a] + c) <= L::mul_add(Float(high.slope), L::load(highest + c), Float(high.at_zero)));
-    }
-    met |= (L::bits(inside) & ((1u << kStep) - 1)) << c;
-  }
-  return met;
-}
-
-/// The block's triangles that are not wholly outside one side of the beam; returns how many.
-template <class L>
-inline std::int32_t triangles_met(const Beam& beam, const TriangleBlock& block, float farthest, std::int32_t* triangle) noexcept {
-  using Float = typename L::Float;
-  using Int = typename L::Int;
-  alignas(64) std::int32_t outside[TriangleBlock::kVertices + L::kWidth];
-  const Int zero(0);
-  for (int v = 0; v < TriangleBlock::kVertices; v += L::kWidth) {
-    const Float c = L::load(block.vertex[beam.axis] + v);
-    Int sides = L::select(c > Float(beam.greatest(farthest)), Int(1), zero) + L::select(c < Float(beam.least(farthest)), Int(2), zero);
-    for (int i = 0; i < 2; ++i) {
-      const Float x = L::load(block.vertex[beam.across[i]] + v);
-      sides = sides + L::select(x < L::mul_add(Float(beam.low[i].slope), c, Float(beam.low[i].at_zero)), Int(4 << 2 * i), zero);
-      sides = sides + L::select(x > L::mul_add(Float(beam.high[i].slope), c, Float(beam.high[i].at_zero)), Int(8 << 2 * i), zero);
-    }
-    L::store(outside + v, sides);
-  }
-  std::int32_t count = 0;
-  for (std::int32_t t = 0; t < block.count; ++t) {
-    triangle[count] = t;
-    count += (outside[block.corner[0][t]] & outside[block.corner[1][t]] & outside[block.corner[2][t]]) == 0 ? 1 : 0;
-  }
-  return count;
 }
 
 }  // namespace raymeter
