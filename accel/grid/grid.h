@@ -12,6 +12,8 @@ struct GridParams {
   std::string resolution = "auto";
   int max_resolution = 4096;
   bool mailbox = true;
+  std::string traversal = "lanes";
+  std::string start = "t_min";
 
   static auto fields() {
     using Field = Param<GridParams>;
@@ -21,17 +23,22 @@ struct GridParams {
         Field{"resolution", &GridParams::resolution, "cells on each axis as NXxNYxNZ, or auto: by rule and density"},
         Field{"max_resolution", &GridParams::max_resolution, "cells on an axis at most, where resolution is auto", 1, 65535},
         Field{"mailbox", &GridParams::mailbox, "test no primitive twice for one ray", 0, 0, {}, ParamUse::query},
+        Field{"traversal", &GridParams::traversal, "lanes step each on its own, or packets go slice by slice", 0, 0, {"lanes", "slices"}, ParamUse::query},
+        Field{"start", &GridParams::start, "where a ray begins to walk: at its t_min, or at its origin as programs do that only leave out near hits", 0, 0,
+              {"t_min", "origin"}, ParamUse::query},
     };
   }
 };
 
+/// All parameters, or Error where two of them contradict each other.
+[[nodiscard]] ParamValues resolve_grid(const ParamValues& values);
 [[nodiscard]] std::unique_ptr<Structure> build_grid(const Scene& scene, const ParamValues& values, int threads);
 
 inline constexpr StructureEntry kGridEntry{"grid",
                                            "uniform grid, traversed cell by cell (3D-DDA)",
                                            "Fujimoto, Tanaka, Iwata 1986; Amanatides, Woo 1987; Cleary, Wyvill 1988",
                                            param_infos<GridParams>,
-                                           resolve_params<GridParams>,
+                                           resolve_grid,
                                            build_grid};
 
 }  // namespace raymeter

@@ -22,7 +22,7 @@ using Range = tbb::blocked_range<std::size_t>;
 constexpr std::size_t kGrain = 4096;
 constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
 
-/// Roundings that a grid adds to those of the primitive (8): 3 of the crossing, and 1 to spare. grid_kernel.cpp has the proof.
+/// Roundings that a grid adds to those of the primitive (8): 3 of the crossing, and 1 to spare. grid_walk_kernel.h has the proof.
 constexpr double kGridError = 12 * double{kUnitRoundoff};
 /// Rays that start up to this many extents away always use the grid.
 constexpr double kLeastReach = 8;
@@ -36,10 +36,13 @@ struct Bounds {
 
 double largest_coordinate(const Aabb& box, glm::length_t a) noexcept { return std::max(std::abs(double{box.min[a]}), std::abs(double{box.max[a]})); }
 
-/// Cells that single precision can tell apart, at most: a primitive's padding is not to fill several cells.
+/// The least size of a cell: a primitive's padding is not to fill several cells.
+double finest_cell(const Aabb& box, glm::length_t a) noexcept { return std::max(4 * double{kBoundsPadding} * largest_coordinate(box, a), 0x1p-100); }
+
+/// Cells that single precision can tell apart, at most.
 std::int32_t useful_resolution(const Aabb& box, glm::length_t a) noexcept {
   const double extent = double{box.max[a]} - double{box.min[a]};
-  const double least = std::max(4 * double{kBoundsPadding} * largest_coordinate(box, a), 0x1p-100);
+  const double least = finest_cell(box, a);
   // An extent beyond float's range would make planes of infinity.
   if (!(extent >= least) || extent > double{std::numeric_limits<float>::max()}) return 1;
   return static_cast<std::int32_t>(std::min(extent / least, 65535.0));
@@ -47,7 +50,7 @@ std::int32_t useful_resolution(const Aabb& box, glm::length_t a) noexcept {
 
 class GridBuilder {
 public:
-  explicit GridBuilder(const Scene& scene) : pools_(scene.pools()) {
+  GridBuilder(const Scene& scene, GridPlanes planes) : pools_(scene.pools()), planes_(planes) {
     for (std::size_t k = 0; k < kPrimKindCount; ++k) {
       const auto kind = static_cast<PrimKind>(k);
       const std::size_t count = pools_.size(kind);
@@ -110,7 +113,7 @@ private:
         });
   }
 
-  /// Lays out the cells, and how far from them a ray may start (grid_kernel.cpp).
+  /// Lays out the cells, and how far from them a ray may start (grid_walk_kernel.h).
   void place(const Bounds& bounds, const GridResolution& resolution) {
     GridFrame& frame = grid_.frame;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -121,10 +124,13 @@ private:
       frame.resolution[a] = resolution[a];
       frame.reach[a] = std::numeric_limits<float>::infinity();
       frame.max_speed[a] = 0x1p126f;
-      if (resolution[a] == 1) continue;  // no planes: size and origin are of no use
+      grid_.finest_cell[a] = 0;
+      const bool planes_inside = planes_ == GridPlanes::inside_too && useful_resolution(bounds.tight, axis) > 1;
+      if (resolution[a] == 1 && !planes_inside) continue;  // no planes: size and origin are of no use
       const double extent = double{bounds.tight.max[axis]} - double{bounds.tight.min[axis]};
       const double cell = extent / resolution[a];
       grid_.margin[a] = std::max(kMarginCells * cell, kGridError * kLeastReach * extent);
+      grid_.finest_cell[a] = std::max(finest_cell(bounds.tight, axis), 2 * grid_.margin[a]);
       // Boxes that touch a plane of the exact division would be listed on both of its sides, and regular scenes are full of them. With the planes a little
       // higher only those that begin there are, not those that end there: what most programs do, whose coordinates are rounded to cells in one direction.
       const double shift = 2 * (grid_.margin[a] + double{kBoundsPadding} * largest_coordinate(bounds.tight, axis));
@@ -143,7 +149,7 @@ private:
         Range(0, entry_count_, kGrain), std::int64_t{0},
         [&](const Range& range, std::int64_t sum) {
           for (std::size_t e = range.begin(); e < range.end(); ++e) {
-            entries_[e] = cells_of(grid_, padded_bounds(pools_, prim(e)));
+            entries_[e] = cells_of(grid_.frame, grid_.margin, padded_bounds(pools_, prim(e)));
             // Saturating: the sum of 2^26 products of three 16-bit numbers may exceed 63 bits.
             sum = std::min(sum + std::min(entries_[e].count(), kMost), kMost);
           }
@@ -258,6 +264,7 @@ private:
   }
 
   const Pools& pools_;
+  GridPlanes planes_;
   UniformGrid grid_;
   std::vector<std::size_t> first_entry_;  ///< per kind
   std::vector<CellRange> entries_;
@@ -266,8 +273,8 @@ private:
 
 }  // namespace
 
-UniformGrid build_uniform_grid(const Scene& scene, const GridParams& params, int threads) {
-  return on_threads(threads, [&] { return GridBuilder(scene).run(params); });
+UniformGrid build_uniform_grid(const Scene& scene, const GridParams& params, int threads, GridPlanes planes) {
+  return on_threads(threads, [&] { return GridBuilder(scene, planes).run(params); });
 }
 
 }  // namespace raymeter

@@ -5,9 +5,12 @@
 
 namespace raymeter {
 
+/// Whether cells have planes inside too: then axes of a single cell get a frame as well, for grids in cells.
+enum class GridPlanes : std::uint8_t { between_cells, inside_too };
+
 /// Lists every primitive in all cells that its padded box touches: a counting sort by cell and kind, in two passes over the primitives. The same on any number
 /// of threads (0: all). An automatic resolution is halved until the grid has at most 32 references per primitive (and a million): many large primitives would
 /// else fill the memory. Throws Error where the grid cannot be numbered with 32 bits.
-[[nodiscard]] UniformGrid build_uniform_grid(const Scene& scene, const GridParams& params, int threads);
+[[nodiscard]] UniformGrid build_uniform_grid(const Scene& scene, const GridParams& params, int threads, GridPlanes planes = GridPlanes::between_cells);
 
 }  // namespace raymeter

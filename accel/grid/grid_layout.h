@@ -7,14 +7,17 @@
 
 namespace raymeter {
 
-/// Where the cells lie and for which rays their lists are complete (grid_kernel.cpp has the proof).
-/// Cell (i, j, k) is number i + (j + k * resolution[1]) * resolution[0]; the cells at the border reach to infinity.
-struct GridFrame {
-  float box[6];  ///< around all that can be hit: min x y z, max x y z
+/// Where the cells of a grid lie. Cell (i, j, k) is number i + (j + k * resolution[1]) * resolution[0]; the cells at the border reach to infinity.
+struct GridCells {
   float origin[3];
   float cell_size[3];
   float inv_cell_size[3];
   std::int32_t resolution[3];
+};
+
+/// The cells over a scene, and for which rays their lists are complete (grid_walk_kernel.h has the proof).
+struct GridFrame : GridCells {
+  float box[6];  ///< around all that can be hit: min x y z, max x y z
   float center[3];
   float reach[3];      ///< a ray's origin may lie this far from `center`; infinite where there is one cell
   float max_speed[3];  ///< largest |dir|
@@ -44,7 +47,8 @@ struct GridView {
   std::int32_t kind_count;
   PrimKind kind[kPrimKindCount];
   std::int32_t prim_count[kPrimKindCount];  ///< in the whole scene, in the order of `kind`
-  std::uint32_t mailbox;                    ///< neighbour bits to look at: all, or none to test whatever a cell lists
+  bool mailbox;
+  bool from_origin;  ///< rays walk from their origin on, even where their interval begins later
 };
 
 }  // namespace raymeter

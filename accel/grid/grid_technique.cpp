@@ -19,8 +19,12 @@ public:
   }
   [[nodiscard]] const BuildStats& stats() const noexcept override { return stats_; }
   [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
-    const bool mailbox = bind<GridParams>(options.params).mailbox;
-    return std::make_unique<KernelIntersector<GridView>>(grid_.view(mailbox), kernels_for<GridKernel, GridView>(options.isa), options.packet);
+    const auto params = bind<GridParams>(options.params);
+    const GridView view = grid_.view(params.mailbox, params.start == "origin");
+    if (params.traversal == "slices") {
+      return std::make_unique<KernelIntersector<GridView>>(view, kernels_for<GridSlicesKernel, GridView>(options.isa), options.packet);
+    }
+    return std::make_unique<KernelIntersector<GridView>>(view, kernels_for<GridLanesKernel, GridView>(options.isa), options.packet);
   }
 
 private:
@@ -29,6 +33,12 @@ private:
 };
 
 }  // namespace
+
+ParamValues resolve_grid(const ParamValues& values) {
+  const auto params = bind<GridParams>(values);
+  if (params.traversal == "slices" && params.start == "origin") throw Error("start: origin needs traversal=lanes, got slices");
+  return resolved(params);
+}
 
 std::unique_ptr<Structure> build_grid(const Scene& scene, const ParamValues& values, int threads) {
   return std::make_unique<Grid>(build_uniform_grid(scene, bind<GridParams>(values), threads));

@@ -15,6 +15,7 @@ namespace raymeter {
 struct UniformGrid {
   GridFrame frame{};
   std::array<double, 3> margin{};  ///< how far beyond a cell its list reaches on each axis, so that it holds every hit that a ray may have there
+  std::array<double, 3> finest_cell{};  ///< cells of a grid inside a cell are not to be smaller; 0 where an axis has no planes at all
   std::vector<PrimKind> kinds;     ///< that the scene has
   Pools pools;                     ///< the scene's primitives in the order of the first cell that lists them
   Column<std::uint32_t> occupied;
@@ -22,7 +23,7 @@ struct UniformGrid {
   Column<std::uint32_t> refs;  ///< in the scene's order within a cell and kind
 
   [[nodiscard]] std::int64_t cell_count() const noexcept;
-  [[nodiscard]] GridView view(bool mailbox) const noexcept;
+  [[nodiscard]] GridView view(bool mailbox, bool from_origin) const noexcept;
 };
 
 /// The cells that a box touches, per axis from `low` to `high`, both included.
@@ -32,7 +33,7 @@ struct CellRange {
   [[nodiscard]] std::int64_t count() const noexcept;
 };
 
-/// The cells whose closed box, grown by the grid's margin, meets `box`.
-[[nodiscard]] CellRange cells_of(const UniformGrid& grid, const Aabb& box) noexcept;
+/// The cells whose closed box, grown by the margin, meets `box`.
+[[nodiscard]] CellRange cells_of(const GridCells& cells, const std::array<double, 3>& margin, const Aabb& box) noexcept;
 
 }  // namespace raymeter
