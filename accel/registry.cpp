@@ -8,6 +8,7 @@
 
 #include "accel/bvh/bvh.h"
 #include "accel/grid/grid.h"
+#include "accel/grid/recursive_grid.h"
 #include "accel/kdtree/kdtree.h"
 #include "accel/list/list.h"
 #include "accel/ray_classification/ray_classification.h"
@@ -17,7 +18,7 @@ namespace raymeter {
 namespace {
 
 // THE tables: a new technique is one folder and one row here.
-constexpr std::array kStructures{kListEntry, kBvhEntry, kGridEntry, kKdTreeEntry, kBspEntry, kRayClassificationEntry};
+constexpr std::array kStructures{kListEntry, kBvhEntry, kGridEntry, kRecursiveGridEntry, kKdTreeEntry, kBspEntry, kRayClassificationEntry};
 constexpr std::array kFirstHits{kCastEntry};
 constexpr std::array kOcclusions{kNoneEntry};
 
