@@ -135,7 +135,7 @@ TEST(GridBuild, ListsABoxThatBeginsOnAPlaneOnBothSidesAndOneThatEndsThereBelow) 
   scene.add_triangle({4, 1, 1.25}, {4, 2, 1.25}, {4, 1.5, 1.75});
   scene.finish();
   const UniformGrid grid = grid_of(scene, "8x8x8");
-  const CellRange cells = cells_of(grid, padded_bounds(scene.pools(), scene.prim(1)));
+  const CellRange cells = cells_of(grid.frame, grid.margin, padded_bounds(scene.pools(), scene.prim(1)));
   EXPECT_EQ(cells.low, (std::array<std::uint16_t, 3>{3, 0, 1}));
   EXPECT_EQ(cells.high, (std::array<std::uint16_t, 3>{3, 1, 1}));
 }
