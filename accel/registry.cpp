@@ -12,6 +12,7 @@
 #include "accel/kdtree/kdtree.h"
 #include "accel/list/list.h"
 #include "accel/ray_classification/ray_classification.h"
+#include "accel/shadow_cache/shadow_cache.h"
 
 namespace raymeter {
 
@@ -20,7 +21,7 @@ namespace {
 // THE tables: a new technique is one folder and one row here.
 constexpr std::array kStructures{kListEntry, kBvhEntry, kGridEntry, kRecursiveGridEntry, kKdTreeEntry, kBspEntry, kRayClassificationEntry};
 constexpr std::array kFirstHits{kCastEntry};
-constexpr std::array kOcclusions{kNoneEntry};
+constexpr std::array kOcclusions{kNoneEntry, kShadowCacheEntry};
 
 /// Reads a value as the type that the parameter has.
 ParamValue parse_value(const ParamInfo& info, std::string_view text) {

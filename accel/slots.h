@@ -49,24 +49,26 @@ struct Chosen {
 };
 
 /// Of techniques without parameters.
-struct NoParams {
-  static std::vector<Param<NoParams>> fields() { return {}; }
-};
+[[nodiscard]] inline std::vector<ParamInfo> no_params() { return {}; }
+[[nodiscard]] inline ParamValues resolve_no_params(const ParamValues& values) {
+  if (!values.empty()) params_detail::unknown_key(values.front().first, {});
+  return {};
+}
 
 inline constexpr FirstHitEntry kCastEntry{
     "cast",
     "eye rays are traced as all others",
     "Whitted 1980, CACM 23(6)",
-    param_infos<NoParams>,
-    resolve_params<NoParams>,
+    no_params,
+    resolve_no_params,
     [](const Scene&, const SlotOptions&, Intersector& intersector) -> std::unique_ptr<FirstHit> { return std::make_unique<CastFirstHit>(intersector); }};
 
 inline constexpr OcclusionEntry kNoneEntry{
     "none",
     "shadow rays are traced as all others",
     "Whitted 1980, CACM 23(6)",
-    param_infos<NoParams>,
-    resolve_params<NoParams>,
+    no_params,
+    resolve_no_params,
     [](const Scene&, const SlotOptions&, Intersector& intersector) -> std::unique_ptr<Occlusion> { return std::make_unique<TracedOcclusion>(intersector); }};
 
 }  // namespace raymeter

@@ -86,6 +86,46 @@ TEST(SlotsOfAConfig, AreFieldsOfCells) {
   }
 }
 
+TEST(SlotsOfAConfig, ExpandTheirParameters) {
+  const std::vector<Experiment> cells =
+      expand(parse(R"(, "rays": "shadow", "occlusion": ["none", {"name": "shadow_cache", "key": ["light", "light_object"]}])"));
+  ASSERT_EQ(cells.size(), 6u);
+  EXPECT_EQ(field(cells[1], "occlusion.key"), "light");
+  EXPECT_EQ(field(cells[0], "occlusion.key"), std::nullopt);
+  EXPECT_EQ(technique_text(cells[1]), technique_text("list", cells[1].params) + "+shadow_cache:key=light,update=batch,batch=4096,forget=false");
+  EXPECT_NE(cells[1].id, cells[2].id);
+  EXPECT_EQ(error_of([] { (void)expand(parse(R"(, "rays": "shadow", "occlusion": {"name": "shadow_cache", "update": "serial", "batch": 2})")); }),
+            "matrix.occlusion.batch: has no part in update=serial, expected it to be left out");
+}
+
+TEST(SlotsOfAConfig, AreFilteredAndExcludedBy) {
+  const std::string matrix = R"(, "rays": "shadow", "occlusion": ["none", {"name": "shadow_cache", "key": ["light", "light_object"]}])";
+  EXPECT_EQ(expand(parse(matrix), parse_filter("occlusion=shadow_cache")).size(), 4u);
+  EXPECT_EQ(expand(parse(matrix), parse_filter("occlusion=*key=light,*")).size(), 2u);
+  EXPECT_EQ(expand(parse(matrix), parse_filter("occlusion.key=light_object;structure=bvh")).size(), 1u);
+  EXPECT_EQ(expand(parse(matrix), parse_filter("occlusion.name=none")).size(), 2u);
+  const std::string excluded =
+      R"({"name": "n", "matrix": {"scene": "spd:balls:1", "structure": "bvh")" + matrix + R"(}, "exclude": [{"occlusion.key": "light"}]})";
+  EXPECT_EQ(expand(parse_config(excluded, "c.json", {}, nullptr)).size(), 2u);
+}
+
+TEST(SlotsOfAConfig, HoldTheirDefaultsWhereRaysDoNotComeByThem) {
+  const std::vector<Experiment> cells = expand(parse(R"(, "rays": ["primary", "ambient_occlusion", "shadow"], "occlusion": ["none", "shadow_cache"])"));
+  EXPECT_EQ(cells.size(), 2u * (1 + 1 + 2));
+  for (const Experiment& cell : cells) {
+    EXPECT_TRUE(cell.rays.name == "shadow" || technique_text(cell.occlusion) == "none") << cell.rays.name;
+  }
+  EXPECT_EQ(error_of([] { (void)expand(parse(R"(, "rays": ["primary", "random"], "occlusion": ["none", "shadow_cache"])")); }),
+            "matrix.occlusion[1]: shadow_cache has no part in matrix.rays, expected shadow or image there");
+}
+
+TEST(SlotsOfAConfig, AreWhatAReferenceMayDifferIn) {
+  const Config config = parse_config(R"({"name": "n", "matrix": {"scene": "spd:balls:1", "structure": ["list", "bvh"], "rays": "shadow",
+      "occlusion": ["none", {"name": "shadow_cache", "key": ["light", "light_object"]}]}, "measure": {"reference": {"occlusion": "none"}}})",
+                                     "c.json", {}, nullptr);
+  EXPECT_EQ(reference_cells(config, expand(config)), (std::vector<std::optional<std::size_t>>{0, 0, 0, 3, 3, 3}));
+}
+
 TEST(SlotsOfAConfig, AreKnownToTheCatalogue) {
   const std::string json = techniques_json();
   for (const TechniqueInfo& technique : techniques()) {
