@@ -66,6 +66,9 @@ constexpr std::array kMetrics{
     Metric{Table::counters, "node_visits_per_ray", lower, "node_visits / ray_count (N_TS, where nodes are all that is traversed)"},
     Metric{Table::counters, "prim_tests_per_ray", lower, "prim_tests / ray_count (N_IT, with packet 1)"},
     Metric{Table::counters, "simd_utilization", higher, "live lanes / executed lanes over node visits, volume and primitive tests"},
+    Metric{Table::counters, "rays_hit", exact, "rays that hit something; of any-hit rays, those that are blocked"},
+    Metric{Table::counters, "cache_hit_rate", higher, "cache_hits / ray_count"},
+    Metric{Table::counters, "cache_hit_rate_blocked", higher, "cache_hits / rays_hit: how many of the blocked rays the cache answers"},
 
     Metric{Table::accuracy, "rays_checked", neither, "rays held against the exact oracle"},
     Metric{Table::accuracy, "false_miss", exact, "hits that were missed"},

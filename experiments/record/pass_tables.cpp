@@ -20,6 +20,17 @@ void add_sample_rows(const Source& source, const Experiment& cell, const RowPhas
   }
 }
 
+namespace {
+
+/// Shares of the rays of a phase, and of those that are blocked, that a cached blocker answers; empty where there is no cache.
+Row cache_hit_rates(const Counters& counters, const std::optional<std::int64_t>& blocked) {
+  if (counters.live(Event::cache_test) == 0) return Row(2);
+  const auto hits = static_cast<double>(counters.live(Event::cache_hit));
+  return {number(hits / static_cast<double>(counters.ray_count)), blocked && *blocked > 0 ? number(hits / static_cast<double>(*blocked)) : ""};
+}
+
+}  // namespace
+
 void add_counter_rows(const Source& source, const Experiment& cell, const RowPhase& phase, const AddRow& add) {
   const Counters* const counters = source.counters(cell, phase);
   if (counters == nullptr) return;
@@ -27,6 +38,11 @@ void add_counter_rows(const Source& source, const Experiment& cell, const RowPha
   for (const std::uint64_t sum : counters->rays) row.push_back(std::to_string(sum));
   for (const std::uint64_t sum : counters->packets) row.push_back(std::to_string(sum));
   for (std::string& average : counter_averages(cell, counters)) row.push_back(std::move(average));
+  const std::optional<std::int64_t> hits = source.hits(cell, phase);
+  row.push_back(number(hits));
+  // A whole frame's rays are not all shadow rays: what the cache answers is in the row of these.
+  const bool all_may_be_blocked = !cell.rays.image() || phase.part == FramePhase::shadow;
+  for (std::string& rate : all_may_be_blocked ? cache_hit_rates(*counters, hits) : Row(2)) row.push_back(std::move(rate));
   add(std::move(row));
 }
 

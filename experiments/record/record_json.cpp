@@ -67,10 +67,12 @@ CheckRecord check_from_json(const nlohmann::json& json) {
                      optional_value<std::int64_t>(json.at("hit_mismatch")),
                      std::nullopt,
                      std::nullopt,
+                     std::nullopt,
                      std::nullopt};
   if (!json.at("counters").is_null()) record.counters = counters_from_json(json.at("counters"));
   if (!json.at("accuracy").is_null()) record.accuracy = accuracy_from_json(json.at("accuracy"));
   if (json.contains("frame")) record.frame = frame_from_json(json["frame"]);
+  if (json.contains("hits")) record.hits = json["hits"].get<std::int64_t>();
   return record;
 }
 
@@ -107,6 +109,7 @@ Json to_json(const CheckRecord& record) {
             {"counters", record.counters ? to_json(*record.counters) : Json(nullptr)},
             {"accuracy", record.accuracy ? to_json(*record.accuracy) : Json(nullptr)}};
   if (record.frame) json["frame"] = to_json(*record.frame);
+  if (record.hits) json["hits"] = *record.hits;
   return json;
 }
 

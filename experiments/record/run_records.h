@@ -70,6 +70,7 @@ struct CheckRecord {
   std::optional<Counters> counters;
   std::optional<AccuracyRecord> accuracy;
   std::optional<FrameRecord> frame;  ///< of images
+  std::optional<std::int64_t> hits;  ///< of ray sets: rays that hit, or are blocked
 };
 
 /// A phase's part of one timed frame.

@@ -44,6 +44,21 @@ const Counters* Source::counters(const Experiment& cell, const RowPhase& phase) 
   return record->counters ? &*record->counters : nullptr;
 }
 
+std::optional<std::int64_t> Source::hits(const Experiment& cell, const RowPhase& phase) const {
+  const CheckRecord* const record = check(cell);
+  if (record == nullptr || !record->frame) return record != nullptr ? record->hits : std::nullopt;
+  const RayCounts& rays = record->frame->rays;
+  if (!phase.part) return rays.primary_hit + rays.shadow_blocked + rays.reflection_hit + rays.refraction_hit;
+  switch (*phase.part) {
+    case FramePhase::first_hit: return rays.primary_hit;
+    case FramePhase::shadow: return rays.shadow_blocked;
+    case FramePhase::reflection: return rays.reflection_hit;
+    case FramePhase::refraction: return rays.refraction_hit;
+    case FramePhase::shading: return std::nullopt;
+  }
+  return std::nullopt;
+}
+
 PhaseSample part_of(const SampleRecord& sample, const std::optional<FramePhase>& part) noexcept {
   if (!part || !sample.phases) return {sample.trace_ms, sample.rays};
   PhaseSample one = (*sample.phases)[static_cast<std::size_t>(*part)];

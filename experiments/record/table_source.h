@@ -36,6 +36,8 @@ struct Source {
   [[nodiscard]] std::vector<RowPhase> phases(const Experiment& cell) const;
   /// What was counted in a phase; null where nothing was.
   [[nodiscard]] const Counters* counters(const Experiment& cell, const RowPhase& phase) const;
+  /// Rays of a phase that hit, or are blocked; empty where that is not known.
+  [[nodiscard]] std::optional<std::int64_t> hits(const Experiment& cell, const RowPhase& phase) const;
 };
 
 /// Time and rays of a sample, or of a phase in it. Shading is shared out among all rays of the frame.

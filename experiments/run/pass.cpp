@@ -46,6 +46,11 @@ std::uint64_t Answers::hash() const noexcept {
   return hash;
 }
 
+std::int64_t Answers::hit_count() const noexcept {
+  const Column<std::int32_t>& prims = kind == Kind::any ? blocker : hits.prim;
+  return std::count_if(prims.begin(), prims.end(), [](std::int32_t prim) { return prim >= 0; });
+}
+
 std::int64_t count_differences(const Answers& a, const Answers& b) noexcept {
   std::int64_t count = 0;
   if (a.kind == Answers::Kind::any) {

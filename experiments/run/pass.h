@@ -18,6 +18,8 @@ struct Answers {
 
   /// Over the bits of all hits or pixels, or over which rays are blocked: equal for all techniques on one instruction set.
   [[nodiscard]] std::uint64_t hash() const noexcept;
+  /// Of a ray set: rays that hit, or are blocked.
+  [[nodiscard]] std::int64_t hit_count() const noexcept;
 };
 
 /// Rays or pixels whose answers differ in any bit, or where only one is blocked.

@@ -86,8 +86,8 @@ void SceneRun::check_ray_set(Live& live, const Verification& verification) {
   const Verdicts verdicts = verification.judge(answers_);
   record.hit_hash = hex_text(answers_.hash());
   record.hit_mismatch = verdicts.mismatches;
-  const bool finds_distances =
-      answers_.kind == Answers::Kind::closest && std::any_of(answers_.hits.prim.begin(), answers_.hits.prim.end(), [](std::int32_t p) { return p >= 0; });
+  record.hits = answers_.hit_count();
+  const bool finds_distances = answers_.kind == Answers::Kind::closest && *record.hits > 0;
   if (verdicts.accuracy) record.accuracy = to_record(*verdicts.accuracy, finds_distances);
   if (!verdicts.right) {
     record.status = Status::wrong;

@@ -30,6 +30,7 @@ class Cell:
     accuracy: Record
     frame: Record = field(default_factory=dict)  # of images: rays by kind, depths
     phases: dict[str, Record] = field(default_factory=dict)  # of images: the summary of each phase
+    shadow: Record = field(default_factory=dict)  # what was counted over shadow rays alone
     label: str = ""
     rays: str = ""
 
@@ -77,29 +78,38 @@ def load_cells(runs: Sequence[Run]) -> list[Cell]:
         for record in run.tables["summary"]:
             if record["phase"] in FRAME_PHASES:
                 phases[record["cell_id"]][str(record["phase"])] = record
+        shadow = {record["cell_id"]: record for record in run.tables["counters"] if record["phase"] in ("any", "shadow")}
         for summary in whole(run.tables["summary"]):
             key = summary["cell_id"]
             build, counters, accuracy, frame = (joined[kind].get(key, {}) for kind in kinds)
-            cells.append(Cell(run.name, summary, build, counters, accuracy, frame, phases.get(key, {})))
+            cells.append(Cell(run.name, summary, build, counters, accuracy, frame, phases.get(key, {}), shadow.get(key, {})))
     _label(cells)
     return cells
 
 
+def slots_of(cell: Cell) -> list[tuple[str, str]]:
+    """What stands in the slots, with its parameters; slots that hold their default are left out."""
+    structure, params, first_hit, occlusion = cell.technique
+    others = [tuple(text.partition(":")[::2]) for text in (first_hit, occlusion) if text not in ("", "cast", "none")]
+    return [(structure, params), *others]  # type: ignore[list-item]
+
+
 def _label(cells: list[Cell]) -> None:
     """Labels in the command line's form, with only the parameters that tell a technique from the others of its structure."""
-    variants: dict[str, list[dict[str, str]]] = defaultdict(list)
+    variants: dict[str, list[dict[str, str]]] = defaultdict(list)  # of what stands in each slot
     phases: dict[str, set[str]] = defaultdict(set)
     for cell in cells:
-        variants[cell.technique[0]].append(parse_params(cell.technique[1]))
+        for name, params in slots_of(cell):
+            variants[name].append(parse_params(params))
         phases[str(cell.summary["rays"])].add(str(cell.summary["phase"]))
     varying = {name: {key for one in all_of for key in one if len({p.get(key) for p in all_of}) > 1} for name, all_of in variants.items()}
     seen = Counter(comparison_key(cell) for cell in cells)
     for cell in cells:
-        structure, params, first_hit, occlusion = cell.technique
-        shown = [f"{key}={value}" for key, value in parse_params(params).items() if key in varying[structure]]
-        cell.label = structure + (":" + ",".join(shown) if shown else "")
-        cell.label += "" if first_hit in ("", "cast") else f"+{first_hit}"
-        cell.label += "" if occlusion in ("", "none") else f"+{occlusion}"
+        parts = []
+        for name, params in slots_of(cell):
+            shown = [f"{key}={value}" for key, value in parse_params(params).items() if key in varying[name]]
+            parts.append(name + (":" + ",".join(shown) if shown else ""))
+        cell.label = "+".join(parts)
         if seen[comparison_key(cell)] > 1 and len({other.run for other in cells}) > 1:
             cell.label += f" @{cell.run}"
         rays = str(cell.summary["rays"])

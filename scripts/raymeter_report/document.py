@@ -15,6 +15,7 @@ from .frames import depth_control_table, frames_table
 from .glossary import GLOSSARY, SYMBOL_NOTE, Term
 from .pictures import Picture, pictures_of
 from .records import Run
+from .shadow_cache import shadow_cache_table
 from .table import Table, in_order
 from .tables import (
     accuracy_table, best_table, builds_table, counters_table, left_out_table, problem_table, results_table, simd_table, technique_table,
@@ -51,6 +52,7 @@ class Report:
     volumes: Table
     frames: Table
     depth_control: Table
+    shadow_cache: Table
     accuracy: Table
     plots: list[Plot]
     pictures: list[Picture]
@@ -88,6 +90,7 @@ def make_report(runs: Sequence[Run], out: Path) -> Report:
         volumes=volumes_table(cells),
         frames=frames_table(cells),
         depth_control=depth_control_table(cells),
+        shadow_cache=shadow_cache_table(cells),
         accuracy=accuracy_table(cells),
         plots=write_plots(runs, cells, out / "plots"),
         pictures=[picture for run in runs for picture in pictures_of(run)],

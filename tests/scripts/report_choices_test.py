@@ -11,7 +11,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run
-from raymeter_report import cells, figures, numbers, records, style, tables
+from raymeter_report import cells, figures, numbers, records, shadow_cache, style, tables
 from report_support import TemporaryFolder, run_cli
 
 
@@ -35,6 +35,33 @@ class SeveralRuns(TemporaryFolder):
         self.assertEqual(run_cli(first, second)[0], 0)
         self.assertTrue((first / "combined" / "report.html").is_file())
         self.assertFalse((first / "report.html").exists())
+
+
+class ShadowCache(unittest.TestCase):
+    """What the cache answers and saves."""
+
+    def cell(self, occlusion: str, nanoseconds: float, **counts: float) -> cells.Cell:
+        summary = dict(scene="s", rays="shadow", phase="any", structure="bvh", params="", first_hit="cast", occlusion=occlusion, isa="avx2", packet=16.0)
+        summary |= dict(threads=1.0, max_depth=5.0, min_weight=0.0, status="ok", median_ns_per_ray=nanoseconds)
+        return cells.Cell("run", summary, {}, {}, {}, shadow=dict(ray_count=100.0, rays_hit=50.0, **counts))
+
+    def test_tests_saved_and_time_are_against_the_same_cell_without_it(self) -> None:
+        plain = self.cell("none", 40.0, prim_tests=200.0)
+        cached = self.cell("shadow_cache:key=light", 50.0, prim_tests=120.0, cache_tests=60.0, cache_hits=25.0, cache_hit_rate=0.25, cache_hit_rate_blocked=0.5)
+        table = shadow_cache.shadow_cache_table([plain, cached])
+        self.assertEqual(len(table.rows), 1)
+        values = {column.title: field.value for column, field in zip(table.columns, table.rows[0])}
+        self.assertEqual((values["hits of all"], values["hits of blocked"]), (25.0, 50.0))
+        self.assertAlmostEqual(values["tests saved"], 10.0)
+        self.assertEqual((values["shadow ray"], values["time without"]), (50.0, 1.25))
+
+    def test_there_is_no_table_without_a_cache(self) -> None:
+        self.assertFalse(shadow_cache.shadow_cache_table([self.cell("none", 40.0, prim_tests=200.0)]).rows)
+
+    def test_labels_hold_what_varies_in_every_slot(self) -> None:
+        of_keys = [self.cell(f"shadow_cache:key={key},batch=4096", 1.0) for key in ("light", "light_object")] + [self.cell("none", 1.0)]
+        cells._label(of_keys)
+        self.assertEqual([cell.label for cell in of_keys], ["bvh+shadow_cache:key=light", "bvh+shadow_cache:key=light_object", "bvh"])
 
 
 class Choices(TemporaryFolder):
