@@ -13,13 +13,14 @@
 #include "accel/list/list.h"
 #include "accel/ray_classification/ray_classification.h"
 #include "accel/shadow_cache/shadow_cache.h"
+#include "accel/octree/octree.h"
 
 namespace raymeter {
 
 namespace {
 
 // THE tables: a new technique is one folder and one row here.
-constexpr std::array kStructures{kListEntry, kBvhEntry, kGridEntry, kRecursiveGridEntry, kKdTreeEntry, kBspEntry, kRayClassificationEntry};
+constexpr std::array kStructures{kListEntry, kBvhEntry, kGridEntry, kRecursiveGridEntry, kKdTreeEntry, kBspEntry, kRayClassificationEntry, kOctreeEntry};
 constexpr std::array kFirstHits{kCastEntry};
 constexpr std::array kOcclusions{kNoneEntry, kShadowCacheEntry};
 

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+
+#include "accel/technique.h"
+
+namespace raymeter {
+
+struct OctreeParams {
+  int max_depth = 10;
+  int leaf_size = 4;
+  std::string split = "center";
+  std::string placement = "exact";
+  std::string root = "box";
+  double growth = 0.001;
+  int budget = 32;
+  std::string tracking = "parametric";
+  std::string blocker = "first";
+  bool mailbox = false;
+
+  static auto fields() {
+    using Field = Param<OctreeParams>;
+    return std::array{
+        Field{"max_depth", &OctreeParams::max_depth, "levels below the root at most", 0, 20},
+        Field{"leaf_size", &OctreeParams::leaf_size, "a cell of so many primitives is not divided", 1, 64},
+        Field{"split", &OctreeParams::split, "where cells are divided: in the middle, or where each axis expects the least cost", 0, 0, {"center", "cost"}},
+        Field{"placement",
+              &OctreeParams::placement,
+              "cells that list a primitive: those that its box touches, or those that it touches itself",
+              0,
+              0,
+              {"exact", "box"}},
+        Field{"root", &OctreeParams::root, "shape of the root cell: the scene's box, or the cube around it", 0, 0, {"box", "cube"}},
+        Field{"growth", &OctreeParams::growth, "of the root cell beyond the scene's box, relative to its extent", 0, 1},
+        Field{"budget", &OctreeParams::budget, "references per primitive at most; small scenes get those of 1024", 1, 65536},
+        Field{"tracking", &OctreeParams::tracking, "how a ray finds its next cell", 0, 0, {"parametric", "point_location", "neighbour"}, ParamUse::query},
+        Field{"blocker",
+              &OctreeParams::blocker,
+              "where a ray that asks for any hit ends: at the first that is found, or at the nearest",
+              0,
+              0,
+              {"first", "nearest"},
+              ParamUse::query},
+        Field{"mailbox", &OctreeParams::mailbox, "a packet remembers its latest tests", 0, 0, {}, ParamUse::query},
+    };
+  }
+};
+
+[[nodiscard]] std::unique_ptr<Structure> build_octree(const Scene& scene, const ParamValues& values, int threads);
+
+inline constexpr StructureEntry kOctreeEntry{"octree",
+                                             "octree, tracked from the root, by neighbours or by the ray's parameter",
+                                             "Glassner 1984; Samet 1989; Gargantini, Atkinson 1993; Revelles et al. 2000",
+                                             param_infos<OctreeParams>,
+                                             resolve_params<OctreeParams>,
+                                             build_octree};
+
+}  // namespace raymeter

@@ -1,0 +1,142 @@
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "accel/octree/cell_overlap.h"
+#include "accel/octree/octree_tree.h"
+#include "tests/support/grid_rays.h"
+#include "tests/support/test_rays.h"
+
+namespace raymeter {
+namespace {
+
+using namespace test;
+
+template <class T>
+bool same(const Column<T>& a, const Column<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+TEST(OctreeBuild, IsTheSameOnAnyNumberOfThreads) {
+  const Scene scene = mixed_scene(20000, 0.02);
+  for (const char* split : {"center", "cost"}) {
+    OctreeParams params;
+    params.split = split;
+    const Octree one = build_octree_tree(scene, params, 1);
+    for (const int threads : {2, 7}) {
+      const Octree many = build_octree_tree(scene, params, threads);
+      EXPECT_TRUE(same(one.nodes, many.nodes) && same(one.first, many.first) && same(one.refs, many.refs) && same(one.outline, many.outline));
+    }
+  }
+}
+
+/// The leaf in which a point lies.
+std::size_t leaf_at(const Octree& tree, const glm::dvec3& p) {
+  std::int32_t link = tree.root;
+  while (link >= 0) {
+    const OctreeNode& node = tree.nodes[static_cast<std::size_t>(link)];
+    int child = 0;
+    for (glm::length_t a = 0; a < 3; ++a) child |= p[a] >= double{node.split[a]} ? 1 << a : 0;
+    link = node.child[child];
+  }
+  return static_cast<std::size_t>(~link);
+}
+
+bool lists(const Octree& tree, std::size_t leaf, std::int32_t prim) {
+  for (std::size_t k = 0; k < tree.kinds.size(); ++k) {
+    const std::size_t slot = leaf * tree.kinds.size() + k;
+    for (auto r = static_cast<std::size_t>(tree.first[slot]); r < static_cast<std::size_t>(tree.first[slot + 1]); ++r) {
+      if (tree.pools.prim_id(prim_ref(tree.kinds[k], static_cast<std::size_t>(tree.refs[r]))) == prim) return true;
+    }
+  }
+  return false;
+}
+
+TEST(OctreeBuild, ListsAPrimitiveWhereverItHasAPoint) {
+  const Scene scene = mixed_scene(400, 0.3);
+  Random random(5);
+  for (const char* placement : {"exact", "box"}) {
+    OctreeParams params;
+    params.placement = placement;
+    params.leaf_size = 1;
+    params.max_depth = 6;
+    const Octree tree = build_octree_tree(scene, params, 2);
+    ASSERT_GT(tree.nodes.size(), 500u);
+    for (std::size_t k = 0; k < kPrimKindCount; ++k) {
+      for (std::size_t i = 0; i < scene.pools().size(static_cast<PrimKind>(k)); ++i) {
+        const PrimRef ref = prim_ref(static_cast<PrimKind>(k), i);
+        for (int n = 0; n < 50; ++n) {
+          glm::dvec3 p = point_of(scene, ref, random);
+          if (ref.kind() == PrimKind::sphere) {  // not inside
+            for (std::size_t a = 0; a < 3; ++a) p[static_cast<glm::length_t>(a)] = double{scene.pools().spheres.center[a][i]};
+            p += double{scene.pools().spheres.radius[i]} * random.direction();
+          }
+          ASSERT_TRUE(lists(tree, leaf_at(tree, p), scene.pools().prim_id(ref))) << placement << " kind " << k << " " << i;
+        }
+      }
+    }
+  }
+}
+
+TEST(OctreeBuild, ExactPlacementListsLessAndTheBoxListsAllOfIt) {
+  const Scene scene = mixed_scene(2000, 0.2);
+  OctreeParams exact, box;
+  box.placement = "box";
+  exact.max_depth = box.max_depth = 5;
+  exact.budget = box.budget = 4096;
+  EXPECT_LT(build_octree_tree(scene, exact, 2).stats.references, build_octree_tree(scene, box, 2).stats.references * 3 / 4);
+}
+
+TEST(OctreeBuild, DividesCellsOfMoreThanLeafSizeDownToTheDepth) {
+  const Scene scene = mixed_scene(500, 0.05);
+  OctreeParams params;
+  params.leaf_size = 3;
+  params.max_depth = 5;
+  params.budget = 4096;
+  const Octree tree = build_octree_tree(scene, params, 2);
+  EXPECT_EQ(tree.stats.leaves, 7 * tree.stats.interior_nodes + 1);
+  EXPECT_EQ(*tree.stats.max_depth, 5);
+  params.max_depth = 12;
+  const Octree deep = build_octree_tree(scene, params, 2);
+  EXPECT_GT(deep.stats.interior_nodes, tree.stats.interior_nodes);
+  EXPECT_LE(deep.stats.references, 4096 * 1024);
+}
+
+TEST(OctreeBuild, KeepsToItsBudgetWhereEverythingCoincides) {
+  Scene scene;
+  for (int i = 0; i < 100000; ++i) scene.add_triangle({0, 0, 0}, {1, 0, 1}, {0, 1, 1});
+  scene.finish();
+  OctreeParams params;
+  params.max_depth = 20;
+  params.leaf_size = 1;
+  const Octree tree = build_octree_tree(scene, params, 2);
+  EXPECT_LE(tree.stats.references, 32 * 100000);
+}
+
+TEST(CellOverlap, SeparatesWhatOnlyHasABoxThere) {
+  Scene scene;
+  scene.add_triangle({0, 0, 0}, {8, 0, 0}, {0, 8, 0});
+  scene.add_sphere({4, 4, 4}, 4);
+  const std::array<glm::dvec3, 4> slope{glm::dvec3(0, 0, 0), {8, 0, 8}, {8, 8, 8}, {0, 8, 0}};
+  scene.add_polygon(slope);
+  scene.add_cone({4, 4, 0}, 2, {4, 4, 8}, 4);
+  scene.finish();
+  const auto touches = [&](PrimKind kind, const glm::dvec3& center, double half) {
+    return may_touch(scene.pools(), prim_ref(kind, 0), center, glm::dvec3(half));
+  };
+  EXPECT_TRUE(touches(PrimKind::triangle, {3, 3, 0}, 0.5));
+  EXPECT_TRUE(touches(PrimKind::triangle, {4.5, 4.5, 0}, 0.5));
+  EXPECT_FALSE(touches(PrimKind::triangle, {4.6, 4.5, 0}, 0.5));
+  EXPECT_FALSE(touches(PrimKind::triangle, {3, 3, 0.6}, 0.5));
+  EXPECT_TRUE(touches(PrimKind::sphere, {0.5, 4, 4}, 0.5));
+  EXPECT_FALSE(touches(PrimKind::sphere, {0.5, 0.5, 0.5}, 0.5)) << "a corner of its box";
+  EXPECT_FALSE(touches(PrimKind::sphere, {4, 4, 4}, 2)) << "inside";
+  EXPECT_TRUE(touches(PrimKind::polygon, {3, 3, 3}, 0.5));
+  EXPECT_FALSE(touches(PrimKind::polygon, {3, 3, 5}, 0.5));
+  EXPECT_TRUE(touches(PrimKind::cone, {1, 4, 4}, 0.5));
+  EXPECT_FALSE(touches(PrimKind::cone, {1, 4, 1}, 0.5)) << "beside the narrow end";
+  EXPECT_FALSE(touches(PrimKind::cone, {4, 4, 4}, 1)) << "inside";
+}
+
+}  // namespace
+}  // namespace raymeter
