@@ -7,8 +7,8 @@
 namespace raymeter {
 
 struct OctreeParams {
-  int max_depth = 10;
-  int leaf_size = 4;
+  int max_depth = 12;
+  int leaf_size = 8;
   std::string split = "center";
   std::string placement = "exact";
   std::string root = "box";
