@@ -109,8 +109,9 @@ TEST(OctreeBuild, KeepsToItsBudgetWhereEverythingCoincides) {
   OctreeParams params;
   params.max_depth = 20;
   params.leaf_size = 1;
+  params.budget = 4;
   const Octree tree = build_octree_tree(scene, params, 2);
-  EXPECT_LE(tree.stats.references, 32 * 100000);
+  EXPECT_LE(tree.stats.references, 4 * 100000);
 }
 
 TEST(CellOverlap, SeparatesWhatOnlyHasABoxThere) {
