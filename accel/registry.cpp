@@ -14,6 +14,7 @@
 #include "accel/ray_classification/ray_classification.h"
 #include "accel/shadow_cache/shadow_cache.h"
 #include "accel/octree/octree.h"
+#include "accel/zbuffer/zbuffer.h"
 
 namespace raymeter {
 
@@ -21,7 +22,7 @@ namespace {
 
 // THE tables: a new technique is one folder and one row here.
 constexpr std::array kStructures{kListEntry, kBvhEntry, kGridEntry, kRecursiveGridEntry, kKdTreeEntry, kBspEntry, kRayClassificationEntry, kOctreeEntry};
-constexpr std::array kFirstHits{kCastEntry};
+constexpr std::array kFirstHits{kCastEntry, kZbufferEntry};
 constexpr std::array kOcclusions{kNoneEntry, kShadowCacheEntry};
 
 /// Reads a value as the type that the parameter has.

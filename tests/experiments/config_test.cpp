@@ -47,7 +47,7 @@ TEST(Config, SaysWhichValueIsWrong) {
   EXPECT_EQ(message(config(R"(, "packet": [1, 2.5])")), "c.json: matrix.packet[1]: expected a whole number from 1 to 64, got 2.5");
   EXPECT_EQ(message(config(R"(, "packet": [])")), "c.json: matrix.packet: expected at least one value");
   EXPECT_EQ(message(config(R"(, "threads": "many")")), "c.json: matrix.threads: expected a whole number from 1 to 4096 or all, got \"many\"");
-  EXPECT_EQ(message(config(R"(, "first_hit": 3)")), "c.json: matrix.first_hit: expected cast or an object, got 3");
+  EXPECT_EQ(message(config(R"(, "first_hit": 3)")), "c.json: matrix.first_hit: expected one of cast, zbuffer or an object, got 3");
   EXPECT_EQ(message(config(R"(, "occlusion": ["none", "nune"])")),
             "c.json: matrix.occlusion[1]: expected one of none, shadow_cache or an object, got \"nune\"; did you mean none?");
   EXPECT_EQ(message(config(R"(, "max_depth": 101)")), "c.json: matrix.max_depth: expected a whole number from 1 to 100, got 101");
