@@ -28,7 +28,7 @@ double cost_plane(const Aabb& cell, glm::length_t a, const std::vector<Aabb>& bo
   const double from = middle(cell, a), to = object_median(cell, a, boxes, in_cell);
   std::array<float, kPlanes> plane{};
   std::array<std::int64_t, kPlanes> below{}, above{};
-  for (std::size_t i = 0; i < kPlanes; ++i) plane[i] = static_cast<float>(from + (to - from) * static_cast<double>(i) / (kPlanes - 1));
+  for (std::size_t i = 0; i < kPlanes; ++i) plane[i] = static_cast<float>(from + (to - from) * static_cast<double>(i + 1) / (kPlanes + 1));
   for (const std::uint32_t e : in_cell) {
     for (std::size_t i = 0; i < kPlanes; ++i) {
       below[i] += boxes[e].min[a] <= plane[i] ? 1 : 0;

@@ -1,0 +1,55 @@
+#!/usr/bin/python3
+"""Tests scripts/published_tables on a made-up run and reference."""
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "published_tables"
+COUNTERS = """cell_id,scene,structure,params,ray_count,rays_hit,prim_tests,node_visits,leaf_visits,empty_leaf_visits
+1,spd:balls:4,octree,"max_depth=4,tracking=parametric",100,50,1000,700,400,100
+"""
+BUILDS = """cell_id,interior_nodes,leaves,empty_leaves,references
+1,10,71,30,500
+"""
+HEADER = "# somebody, 1999\nsetting,scene,structure,params,counting,symbol,value\n"
+
+
+class PublishedTables(unittest.TestCase):
+    def table(self, lines: str, code: int = 0) -> str:
+        with tempfile.TemporaryDirectory() as folder:
+            root = Path(folder)
+            (root / "counters.csv").write_text(COUNTERS, encoding="utf-8")
+            (root / "builds.csv").write_text(BUILDS, encoding="utf-8")
+            (root / "reference.csv").write_text(HEADER + lines, encoding="utf-8")
+            done = subprocess.run([sys.executable, SCRIPT, root, root / "reference.csv"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done.stdout if code == 0 else done.stderr
+
+    def row(self, counting: str, symbol: str, value: str) -> str:
+        return f"some octree,spd:balls:4,octree,max_depth=4,{counting},{symbol},{value}\n"
+
+    def test_counts_are_given_per_ray(self) -> None:
+        self.assertIn("| spd:balls:4 | 500 / 500 (+0.0 %) | 10.00 / 10.00 (+0.0 %) |", self.table(self.row("", "N_OIV", "500") + self.row("", "N_IT", "10")))
+
+    def test_differences_above_a_tenth_are_bold(self) -> None:
+        self.assertIn("**5.00 / 10.00 (+100.0 %)**", self.table(self.row("", "N_IT", "5")))
+
+    def test_per_hit_divides_tests_by_the_rays_that_hit(self) -> None:
+        self.assertIn("20.00 / 20.00 (+0.0 %)", self.table(self.row("per_hit", "N_IT", "20")))
+
+    def test_unhit_twice_counts_full_leaves_without_a_hit_again_as_empty(self) -> None:
+        # Four leaves a ray, one of them empty; half of the rays end in one: 2.5 full leaves are crossed in vain.
+        text = self.table(self.row("unhit_twice", "N_ETS", "6.5") + self.row("unhit_twice", "N_EETS", "3.5"))
+        self.assertIn("6.50 / 6.50 (+0.0 %) | 3.50 / 3.50 (+0.0 %)", text)
+
+    def test_an_unknown_counting_is_an_error(self) -> None:
+        self.assertIn("unknown counting 'by_guess'; expected some of per_hit, unhit_twice", self.table(self.row("by_guess", "N_IT", "5"), code=2))
+
+    def test_what_was_not_measured_is_said(self) -> None:
+        self.assertIn("not measured", self.table("some octree,spd:gears:4,octree,max_depth=4,,N_IT,5\n"))
+
+
+if __name__ == "__main__":
+    unittest.main()
