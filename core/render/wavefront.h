@@ -45,7 +45,6 @@ struct Generation {
   RayBatch rays;
   Column<std::int32_t> slot;  ///< of the pixel in its band
   Column<glm::vec3> weight;   ///< share of the ray's radiance in the pixel's, per colour channel
-  std::int64_t tir = 0;       ///< reflections that stand for a refraction, followed or not
 
   void push_back(const Ray& ray, std::int32_t pixel_slot, const glm::vec3& ray_weight) {
     rays.push_back(ray);
@@ -98,35 +97,42 @@ struct ShadowRays {
   [[nodiscard]] std::size_t size() const noexcept { return rays.size(); }
 };
 
-/// The hits of a generation's slices as shading sees them, each slice's in its rays' order.
-using ShadingPoints = std::vector<std::vector<ShadingPoint>>;
+/// The hits of a generation as shading sees them, each slice's in its rays' order. Memory is kept for the next generation, as in all that follows: what goes
+/// back to the system costs page faults.
+struct ShadingPoints {
+  std::vector<std::vector<ShadingPoint>> of_slice;  ///< of the first `slices` only
+  std::size_t slices = 0;
+
+  void begin(std::size_t ray_count) {
+    slices = slice_count(ray_count);
+    if (of_slice.size() < slices) of_slice.resize(slices);
+  }
+};
 
 /// Calls work(slice) for each slice of points.
 template <class Work>
 void for_each_part(const ShadingPoints& points, int threads, Work&& work) {
-  for_each_slice(points.size() * kSliceRays, threads, [&](std::size_t slice, std::size_t, std::size_t) { work(slice); });
+  for_each_slice(points.slices * kSliceRays, threads, [&](std::size_t slice, std::size_t, std::size_t) { work(slice); });
 }
 
-/// What emit(batch, point) adds for each point, in batches of their own for each slice.
+/// Makes `parts`, a batch for each slice: what emit(batch, point) adds for each of its points.
 template <class Batch, class Emit>
-std::vector<Batch> emitted(const ShadingPoints& points, int threads, Emit emit) {
-  std::vector<Batch> parts(points.size());
+void emit_parts(const ShadingPoints& points, int threads, std::vector<Batch>& parts, Emit emit) {
+  if (parts.size() < points.slices) parts.resize(points.slices);
   for_each_part(points, threads, [&](std::size_t slice) {
-    parts[slice].reserve(points[slice].size());
-    for (const ShadingPoint& point : points[slice]) emit(parts[slice], point);
+    parts[slice].resize(0);
+    parts[slice].reserve(points.of_slice[slice].size());
+    for (const ShadingPoint& point : points.of_slice[slice]) emit(parts[slice], point);
   });
-  return parts;
 }
 
-/// The batches of slices one after the other, whatever the threads.
+/// Makes `all` of the batches of slices, one after the other whatever the threads.
 template <class Batch>
-Batch joined(const ShadingPoints& points, const std::vector<Batch>& parts, int threads) {
-  std::vector<std::size_t> first(parts.size() + 1, 0);
-  for (std::size_t slice = 0; slice < parts.size(); ++slice) first[slice + 1] = first[slice] + parts[slice].size();
-  Batch all;
+void join_parts(const ShadingPoints& points, int threads, const std::vector<Batch>& parts, Batch& all) {
+  std::vector<std::size_t> first(points.slices + 1, 0);
+  for (std::size_t slice = 0; slice < points.slices; ++slice) first[slice + 1] = first[slice] + parts[slice].size();
   all.resize(first.back());
   for_each_part(points, threads, [&](std::size_t slice) { all.place_part(first[slice], parts[slice]); });
-  return all;
 }
 
 }  // namespace raymeter

@@ -1,6 +1,7 @@
 #include "core/render/whitted.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <optional>
 #include <vector>
@@ -67,29 +68,33 @@ private:
     eye.slot.resize(size);
     for (std::size_t i = 0; i < size; ++i) eye.slot[i] = static_cast<std::int32_t>(i);
     eye.weight.resize(size, glm::vec3(1));
-    follow(std::move(eye));
-    for (std::size_t i = 0; i < size; ++i) {
-      out_.image.pixel[static_cast<std::size_t>(pixels_[i])] = glm::vec3(sum_[i]);
-      out_.depth.deepest_sum += deepest_[i];
-      if (options_.bound) out_.bound[static_cast<std::size_t>(pixels_[i])] = bound_of(cut_[i], sum_[i], options_.termination.max_depth);
-    }
+    follow(eye);
+    std::atomic<std::int64_t> deepest_sum = 0;
+    for_each_slice(size, options_.threads, [&](std::size_t, std::size_t first, std::size_t count) {
+      std::int64_t sum = 0;
+      for (std::size_t i = first; i < first + count; ++i) {
+        const auto pixel = static_cast<std::size_t>(pixels_[i]);
+        out_.image.pixel[pixel] = glm::vec3(sum_[i]);
+        sum += deepest_[i];
+        if (options_.bound) out_.bound[pixel] = bound_of(cut_[i], sum_[i], options_.termination.max_depth);
+      }
+      deepest_sum += sum;
+    });
+    out_.depth.deepest_sum += deepest_sum;
   }
 
   /// Traces and shades rays and all that come of them.
-  void follow(Generation&& rays) {
+  void follow(const Generation& rays) {
     if (rays.size() == 0) return;
-    Generation reflections, refractions;
-    {
-      const ShadingPoints points = shading_points(rays, traced(rays));
-      for (std::size_t light = 0; light < scene_.lights.size(); ++light) add_light(points, light, rays.node);
-      if (rays.depth < options_.termination.max_depth) {
-        reflections = reflected(points, rays.depth + 1, RayTree::reflection(rays.node));
-        refractions = refracted(points, rays.depth + 1, RayTree::refraction(rays.node));
-      }
-      rays = {};
-    }
-    follow(std::move(reflections));
-    follow(std::move(refractions));
+    trace(rays);
+    look_at_surfaces(rays);
+    for (std::size_t light = 0; light < scene_.lights.size(); ++light) add_light(light, rays.node);
+    if (rays.depth >= options_.termination.max_depth) return;
+    Children& children = children_[static_cast<std::size_t>(rays.depth)];
+    reflect(rays, children.reflections);
+    refract(rays, children.refractions);
+    follow(children.reflections);
+    follow(children.refractions);
   }
 
   /// Calls trace(counters or null), which traces so many rays, by the clock of a phase.
@@ -102,20 +107,19 @@ private:
     totals.rays += static_cast<std::int64_t>(rays);
   }
 
-  HitBatch traced(const Generation& rays) {
-    HitBatch hits;
+  void trace(const Generation& rays) {
+    hits_.resize(0);
     in_phase(phase_of(rays.origin), rays.size(), [&](Counters* counters) {
-      if (rays.origin == Origin::eye) return first_hit_.find(options_.model, pixels_, rays.rays, hits, options_.threads, counters);
+      if (rays.origin == Origin::eye) return first_hit_.find(options_.model, pixels_, rays.rays, hits_, options_.threads, counters);
       intersector_.prepare(rays.rays.view(), Query::closest, options_.threads);
-      trace_closest(intersector_, rays.rays, hits, options_.threads, counters);
+      trace_closest(intersector_, rays.rays, hits_, options_.threads, counters);
     });
-    count(rays, hits);
-    return hits;
+    count(rays);
   }
 
-  void count(const Generation& rays, const HitBatch& hits) {
+  void count(const Generation& rays) {
     const auto all = static_cast<std::int64_t>(rays.size());
-    const std::int64_t met = all - std::count(hits.prim.begin(), hits.prim.end(), -1);
+    const std::int64_t met = all - std::count(hits_.prim.begin(), hits_.prim.end(), -1);
     RayCounts& counts = out_.rays;
     switch (rays.origin) {
       case Origin::eye:
@@ -136,21 +140,22 @@ private:
     out_.depth.generation[depth - 1] += all;
   }
 
-  /// Adds the background where rays meet nothing, and looks at the surface where they do.
-  ShadingPoints shading_points(const Generation& rays, const HitBatch& hits) {
-    ShadingPoints points(slice_count(rays.size()));
+  /// Adds the background where rays meet nothing, and makes points of where they do.
+  void look_at_surfaces(const Generation& rays) {
+    points_.begin(rays.size());
     for_each_slice(rays.size(), options_.threads, [&](std::size_t slice, std::size_t first, std::size_t size) {
-      points[slice].reserve(size);
+      std::vector<ShadingPoint>& points = points_.of_slice[slice];
+      points.clear();
+      points.reserve(size);
       for (std::size_t i = first; i < first + size; ++i) {
         const auto slot = static_cast<std::size_t>(rays.slot[i]);
         deepest_[slot] = std::max(deepest_[slot], rays.depth);
-        if (hits.prim[i] >= 0)
-          points[slice].push_back(shading_point(rays, i, hits.t[i], hits.prim[i]));
+        if (hits_.prim[i] >= 0)
+          points.push_back(shading_point(rays, i, hits_.t[i], hits_.prim[i]));
         else
           sum_[slot] += glm::dvec3(rays.weight[i]) * scene_.background;
       }
     });
-    return points;
   }
 
   [[nodiscard]] ShadingPoint shading_point(const Generation& rays, std::size_t i, float t, std::int32_t prim) const {
@@ -167,26 +172,26 @@ private:
     return point;
   }
 
-  void add_light(const ShadingPoints& points, std::size_t light_number, std::int32_t node) {
+  void add_light(std::size_t light_number, std::int32_t node) {
     const Light& light = scene_.lights[light_number];
-    const auto parts = emitted<ShadowRays>(points, options_.threads, [&](ShadowRays& out, const ShadingPoint& point) {
+    emit_parts(points_, options_.threads, shadow_parts_, [&](ShadowRays& out, const ShadingPoint& point) {
       if (!faces(point, light)) return;
       out.rays.push_back(spawn_ray_to(point.surface, light.position, rules_.distance_min));
       out.origins.push_back(static_cast<std::int32_t>(light_number), point.prim);
       out.slot.push_back(point.slot);
       out.radiance.push_back(glm::vec3(glm::dvec3(point.weight) * phong(point, light)));
     });
-    ShadowRays shadow = joined(points, parts, options_.threads);
-    shadow.origins.node = node;
-    Column<std::int32_t> blocker;
-    in_phase(FramePhase::shadow, shadow.size(),
-             [&](Counters* counters) { occlusion_->find(shadow.rays, shadow.origins, blocker, options_.threads, counters); });
-    const auto all = static_cast<std::int64_t>(shadow.size());
+    join_parts(points_, options_.threads, shadow_parts_, shadow_);
+    shadow_.origins.node = node;
+    blocker_.clear();
+    in_phase(FramePhase::shadow, shadow_.size(),
+             [&](Counters* counters) { occlusion_->find(shadow_.rays, shadow_.origins, blocker_, options_.threads, counters); });
+    const auto all = static_cast<std::int64_t>(shadow_.size());
     out_.rays.shadow += all;
-    out_.rays.shadow_blocked += all - std::count(blocker.begin(), blocker.end(), -1);
-    for_each_slice(shadow.size(), options_.threads, [&](std::size_t, std::size_t first, std::size_t size) {
+    out_.rays.shadow_blocked += all - std::count(blocker_.begin(), blocker_.end(), -1);
+    for_each_slice(shadow_.size(), options_.threads, [&](std::size_t, std::size_t first, std::size_t size) {
       for (std::size_t i = first; i < first + size; ++i) {
-        if (blocker[i] < 0) sum_[static_cast<std::size_t>(shadow.slot[i])] += glm::dvec3(shadow.radiance[i]);
+        if (blocker_[i] < 0) sum_[static_cast<std::size_t>(shadow_.slot[i])] += glm::dvec3(shadow_.radiance[i]);
       }
     });
   }
@@ -202,33 +207,39 @@ private:
   }
 
   /// On total internal reflection the mirrored ray carries the transmitted one's share too.
-  Generation reflected(const ShadingPoints& points, int depth, std::int32_t node) {
-    const auto parts = emitted<Generation>(points, options_.threads, [&](Generation& out, const ShadingPoint& point) {
+  void reflect(const Generation& rays, Generation& reflections) {
+    begin(reflections, Origin::reflection, rays.depth + 1, RayTree::reflection(rays.node));
+    std::atomic<std::int64_t> tir = 0;
+    emit_parts(points_, options_.threads, parts_, [&](Generation& out, const ShadingPoint& point) {
       const Material& material = *point.material;
       if (!material.reflects() && !material.transmits()) return;
       const bool total = material.transmits() && !transmitted(point);
-      out.tir += total ? 1 : 0;
-      spawn(out, point, mirrored(point), material.specular + (total ? material.transmittance : 0), depth);
+      if (total) tir.fetch_add(1, std::memory_order_relaxed);
+      spawn(out, point, mirrored(point), material.specular + (total ? material.transmittance : 0), reflections.depth);
     });
-    for (const Generation& part : parts) out_.rays.tir += part.tir;
-    return spawned(points, parts, Origin::reflection, depth, node);
+    out_.rays.tir += tir;
+    join_parts(points_, options_.threads, parts_, reflections);
   }
 
-  Generation refracted(const ShadingPoints& points, int depth, std::int32_t node) {
-    const auto parts = emitted<Generation>(points, options_.threads, [&](Generation& out, const ShadingPoint& point) {
+  void refract(const Generation& rays, Generation& refractions) {
+    begin(refractions, Origin::refraction, rays.depth + 1, RayTree::refraction(rays.node));
+    emit_parts(points_, options_.threads, parts_, [&](Generation& out, const ShadingPoint& point) {
       if (!point.material->transmits()) return;
-      if (const auto dir = transmitted(point)) spawn(out, point, *dir, point.material->transmittance, depth);
+      if (const auto dir = transmitted(point)) spawn(out, point, *dir, point.material->transmittance, refractions.depth);
     });
-    return spawned(points, parts, Origin::refraction, depth, node);
+    join_parts(points_, options_.threads, parts_, refractions);
   }
 
-  [[nodiscard]] Generation spawned(const ShadingPoints& points, const std::vector<Generation>& parts, Origin origin, int depth, std::int32_t node) const {
-    Generation all = joined(points, parts, options_.threads);
-    all.origin = origin;
-    all.depth = depth;
-    all.node = node;
-    return all;
+  static void begin(Generation& generation, Origin origin, int depth, std::int32_t node) noexcept {
+    generation.origin = origin;
+    generation.depth = depth;
+    generation.node = node;
   }
+
+  /// What waits at a depth.
+  struct Children {
+    Generation reflections, refractions;
+  };
 
   const Scene& scene_;
   FirstHit& first_hit_;
@@ -242,6 +253,14 @@ private:
   std::vector<int> deepest_;     ///< the depth of their rays so far
   std::vector<glm::dvec3> cut_;  ///< what the rays that were cut off could have brought them
   std::vector<glm::dvec3> largest_;
+  // Of the generation at hand, and of each depth.
+  HitBatch hits_;
+  ShadingPoints points_;
+  std::vector<ShadowRays> shadow_parts_;
+  ShadowRays shadow_;
+  Column<std::int32_t> blocker_;
+  std::vector<Generation> parts_;
+  std::vector<Children> children_{static_cast<std::size_t>(std::max(1, options_.termination.max_depth))};
   Rendering out_;
 };
 
