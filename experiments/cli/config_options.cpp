@@ -21,11 +21,15 @@ std::vector<Experiment> ConfigOptions::cells(const Config& config) const {
 }
 
 std::string plan_table(const Config& config, const std::vector<Experiment>& cells) {
+  // Images differ in depths too.
+  const auto rays = [](const Experiment& cell) {
+    return cell.rays.image() ? fmt::format("image {} {}", cell.max_depth, to_string(ParamValue(cell.min_weight))) : cell.rays.name;
+  };
   const auto row = [](const auto&... fields) { return fmt::format("{:<16}  {:<22} {:<18} {:<7} {:>6}  {:>7}  {}\n", fields...); };
   std::string text = row("cell", "scene", "rays", "isa", "packet", "threads", "structure");
   std::set<std::string> scenes;
   for (const Experiment& cell : cells) {
-    text += row(cell.id, cell.scene.name, cell.rays.name, name(cell.isa), cell.packet, threads_text(cell.threads), technique_text(cell));
+    text += row(cell.id, cell.scene.name, rays(cell), name(cell.isa), cell.packet, threads_text(cell.threads), technique_text(cell));
     scenes.insert(cell.scene.name);
   }
   const auto missing = std::count_if(cells.begin(), cells.end(), [](const Experiment& cell) { return !available(cell.isa); });
