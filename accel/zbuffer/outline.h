@@ -13,12 +13,15 @@
 
 #include "accel/zbuffer/footprints.h"
 #include "core/bounds/aabb.h"
-#include "core/bounds/outward_rounding.h"
 #include "core/geometry/error_bounds.h"
 
 namespace raymeter {
 
 inline constexpr double kRoundoff = kUnitRoundoff;
+
+/// A float below x, and one above: not the nearest, but found without looking at what rounding did.
+[[nodiscard]] inline float below(double x) noexcept { return static_cast<float>(x - std::abs(x) * 2 * kRoundoff - 0x1p-149); }
+[[nodiscard]] inline float above(double x) noexcept { return static_cast<float>(x + std::abs(x) * 2 * kRoundoff + 0x1p-149); }
 
 /// Depths of a primitive, and the distance of its farthest corner.
 struct Reach {
@@ -69,10 +72,10 @@ public:
   void set_bounds(const ImageBounds& bounds, double epsilon) noexcept {
     epsilon_ = epsilon;
     largest_ = std::max(bounds.largest(), static_cast<double>(std::max(plane_.width, plane_.height)));
-    out_.print.min_x = round_down(bounds.min.x - epsilon);
-    out_.print.max_x = round_up(bounds.max.x + epsilon);
-    out_.print.min_y = round_down(bounds.min.y - epsilon);
-    out_.print.max_y = round_up(bounds.max.y + epsilon);
+    out_.print.min_x = below(bounds.min.x - epsilon);
+    out_.print.max_x = above(bounds.max.x + epsilon);
+    out_.print.min_y = below(bounds.min.y - epsilon);
+    out_.print.max_y = above(bounds.max.y + epsilon);
   }
   /// What lies on the inner side of the line normal . point = offset.
   void add_edge(const glm::dvec2& normal, double offset) noexcept {
@@ -80,7 +83,7 @@ public:
     float* const edge = out_.print.edge[edges_++];
     edge[0] = static_cast<float>(normal.x);
     edge[1] = static_cast<float>(normal.y);
-    edge[2] = round_up(slack - offset);
+    edge[2] = above(slack - offset);
   }
   /// 1 / depth is normal . point + at_center, but for an error of `relative` of it and of `absolute`.
   void set_plane(const glm::dvec2& normal, double at_center, double relative, double absolute) noexcept {
@@ -88,13 +91,13 @@ public:
     const double slack = (std::abs(normal.x) + std::abs(normal.y)) * (epsilon_ + 8 * kRoundoff * largest_) + 8 * kRoundoff * std::abs(at_center) + absolute;
     const double grown = 1 / (1 - relative);
     out_.print.flat = true;
-    out_.plane = {static_cast<float>(grown * normal.x), static_cast<float>(grown * normal.y), round_up(grown * (at_center + slack))};
+    out_.plane = {static_cast<float>(grown * normal.x), static_cast<float>(grown * normal.y), above(grown * (at_center + slack))};
   }
   /// Nothing where all of it is beside the image.
   [[nodiscard]] std::optional<Projected> finished(const Reach& reach) noexcept {
     const auto x = static_cast<float>(plane_.width - 1), y = static_cast<float>(plane_.height - 1);
     if (out_.print.min_x > x || out_.print.max_x < -x || out_.print.min_y > y || out_.print.max_y < -y) return std::nullopt;
-    if (reach.least() > 0) out_.print.nearest = round_up(1 / reach.least());
+    if (reach.least() > 0) out_.print.nearest = above(1 / reach.least());
     if (!out_.print.flat) out_.plane.at_center = out_.print.nearest;
     return out_;
   }
