@@ -5,7 +5,12 @@
 // bounds, and edge functions at the corner that is furthest inside (after Pineda 1988, SIGGRAPH; conservative as in Hasselgren, Akenine-Moeller, Ohlsson 2005,
 // GPU Gems 2). So each packet gets a list of candidates, nearest first, and tests them by the ray kernels until the next begins behind all its hits.
 //
-// Events: volume_test, a register of packets' rectangles against a footprint, its lanes are packets; prim_test and prim_hit as everywhere. No nodes.
+// draw() makes a z-buffer of the same candidates: of triangles it takes the samples inside their edges, at the depth of their plane (both as padded in footprints:
+// neighbours overlap by a thousandth of a sample, so that no fill rule has to keep holes shut), of all else, and of triangles too near or too slender for that,
+// what the ray kernels find. meet() asks them about the primitive that a ray is shown. A ray that ends at its own hit, closed, has the same nearest hit.
+//
+// Events: volume_test, a register of packets' rectangles against a footprint, its lanes are packets, and in draw() samples
+// against a triangle's edges; prim_test and prim_hit as everywhere. No nodes.
 //
 // No hit is lost: a footprint holds all samples and depths at which a kernel accepts a hit (footprints.cpp). A candidate is left out only where its least
 // depth is beyond that of a lane's hit (equal ones are tested: ties), and lists are sorted by that depth. What the test itself rounds is in there.
