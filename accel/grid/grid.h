@@ -11,6 +11,7 @@ struct GridParams {
   std::string rule = "cubic";
   std::string resolution = "auto";
   int max_resolution = 4096;
+  std::string touching = "begin";
   bool mailbox = true;
   std::string traversal = "lanes";
   std::string start = "t_min";
@@ -22,6 +23,8 @@ struct GridParams {
         Field{"rule", &GridParams::rule, "how density becomes a resolution", 0, 0, {"cubic", "woo", "customary"}},
         Field{"resolution", &GridParams::resolution, "cells on each axis as NXxNYxNZ, or auto: by rule and density"},
         Field{"max_resolution", &GridParams::max_resolution, "cells on an axis at most, where resolution is auto", 1, 65535},
+        Field{"touching", &GridParams::touching, "boxes that are listed on both sides of a plane which they touch: those that begin there, that end there, or all", 0, 0,
+              {"begin", "end", "all"}},
         Field{"mailbox", &GridParams::mailbox, "test no primitive twice for one ray", 0, 0, {}, ParamUse::query},
         Field{"traversal", &GridParams::traversal, "lanes step each on its own, or packets go slice by slice", 0, 0, {"lanes", "slices"}, ParamUse::query},
         Field{"start", &GridParams::start, "where a ray begins to walk: at its t_min, or at its origin as programs do that only leave out near hits", 0, 0,

@@ -72,7 +72,7 @@ struct SliceBeams {
   /// Sets the rectangles between two planes of the axis.
   void cover(float from, float to) noexcept {
     using Float = typename L::Float;
-    for (int line = 0; line < kLines; line += kStep) {
+    for (int line = 0; line < 4 * count; line += kStep) {
       const Float zero = L::load(at_zero + line), per = L::load(slope + line);
       const Float bound = L::max(L::mul_add(per, Float(from), zero), L::mul_add(per, Float(to), zero)) * L::load(side + line);
       const Float index = (bound - L::load(origin + line)) * L::load(inv_cell_size + line);
@@ -125,7 +125,7 @@ private:
   template <class Outside>
   [[nodiscard]] [[gnu::always_inline]] std::uint32_t beams_within(Outside outside) const noexcept {
     std::uint32_t lines = 0;
-    for (int line = 0; line < kLines; line += kStep) {
+    for (int line = 0; line < 4 * count; line += kStep) {
       const auto beyond = outside(L::load(at_zero + line), L::load(slope + line), L::load(across[0] + line), L::load(across[1] + line));
       lines |= (L::bits(beyond) & ((1u << kStep) - 1u)) << line;
     }

@@ -65,6 +65,7 @@ public:
   }
 
   UniformGrid run(const GridParams& params) {
+    touching_ = params.touching;
     const Bounds bounds = find_bounds();
     const glm::dvec3 extent = bounds.tight.empty() ? glm::dvec3(0.0) : glm::dvec3(bounds.tight.max) - glm::dvec3(bounds.tight.min);
     GridResolution resolution = grid_resolution(params, extent, static_cast<std::int64_t>(entry_count_));
@@ -132,9 +133,11 @@ private:
       grid_.margin[a] = std::max(kMarginCells * cell, kGridError * kLeastReach * extent);
       grid_.finest_cell[a] = std::max(finest_cell(bounds.tight, axis), 2 * grid_.margin[a]);
       // Boxes that touch a plane of the exact division would be listed on both of its sides, and regular scenes are full of them. With the planes a little
-      // higher only those that begin there are, not those that end there: what most programs do, whose coordinates are rounded to cells in one direction.
+      // higher only those that begin there are, with the planes a little lower only those that end there: what programs do whose coordinates are rounded to
+      // cells in one direction.
       const double shift = 2 * (grid_.margin[a] + double{kBoundsPadding} * largest_coordinate(bounds.tight, axis));
-      frame.origin[a] = static_cast<float>(double{bounds.tight.min[axis]} + shift);
+      const double raised = touching_ == "all" ? 0 : touching_ == "end" ? -shift : shift;
+      frame.origin[a] = static_cast<float>(double{bounds.tight.min[axis]} + raised);
       frame.cell_size[a] = static_cast<float>(cell);
       frame.inv_cell_size[a] = static_cast<float>(1 / cell);
       frame.center[a] = static_cast<float>(0.5 * (low + high));
@@ -265,6 +268,7 @@ private:
 
   const Pools& pools_;
   GridPlanes planes_;
+  std::string touching_;
   UniformGrid grid_;
   std::vector<std::size_t> first_entry_;  ///< per kind
   std::vector<CellRange> entries_;

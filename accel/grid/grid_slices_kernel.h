@@ -14,7 +14,7 @@
 // the rectangle holds it, or in the last one, where that of the last slice holds it or lies beside it. Only where rectangles move by more than a cell from slice to
 // slice past a large primitive is it tested again.
 //
-// Steps are bounded: there are as many slices as the axis has cells, and a packet whose beams cover many cells at once goes by lanes instead.
+// Steps are bounded: there are as many slices as the axis has cells, and a packet whose beams cover many cells at once goes by lanes instead, as does a lone ray.
 //
 // Events: node_visit for the cells of each beam's own rectangle, once per register of its rays; leaf_visit and empty_leaf_visit for the same.
 

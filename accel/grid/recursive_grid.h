@@ -10,12 +10,13 @@
 namespace raymeter {
 
 struct RecursiveGridParams {
-  double density = 2.0;
-  double top_density = 0.25;
+  double density = 1.0;
+  double top_density = 0.125;
   std::string rule = "cubic";
-  int levels = 3;
+  int levels = 2;
   int max_leaf_size = 8;
   int max_resolution = 1024;
+  std::string touching = "begin";
   bool mailbox = true;
   std::string start = "t_min";
 
@@ -28,6 +29,8 @@ struct RecursiveGridParams {
         Field{"levels", &RecursiveGridParams::levels, "grids inside each other: 1 is a uniform grid, 2 a two-level grid", 1, kMaxGridLevels},
         Field{"max_leaf_size", &RecursiveGridParams::max_leaf_size, "a cell with more primitives becomes a grid", 1, 1000000},
         Field{"max_resolution", &RecursiveGridParams::max_resolution, "cells on an axis of a grid at most", 1, 65535},
+        Field{"touching", &RecursiveGridParams::touching,
+              "boxes that are listed on both sides of a plane which they touch: those that begin there, that end there, or all", 0, 0, {"begin", "end", "all"}},
         Field{"mailbox", &RecursiveGridParams::mailbox, "remember what rays were tested against, so that hardly any primitive is tested twice", 0, 0, {},
               ParamUse::query},
         Field{"start", &RecursiveGridParams::start, "where a ray begins to walk: at its t_min, or at its origin as programs do that only leave out near hits", 0, 0,

@@ -244,6 +244,7 @@ RecursiveGrid build_nested_grids(const Scene& scene, const RecursiveGridParams& 
   top_params.density = params.top_density;
   top_params.rule = params.rule;
   top_params.max_resolution = params.max_resolution;
+  top_params.touching = params.touching;
   return on_threads(threads, [&] {
     UniformGrid top = build_uniform_grid(scene, top_params, threads, GridPlanes::inside_too);
     RecursiveGrid out;

@@ -188,5 +188,28 @@ TEST(GridBuild, AgreesWithPublishedCountsOfCells) {
   }
 }
 
+TEST(GridBuild, ListsBoxesThatTouchAPlaneAsAsked) {
+  // Spheres that fill unit cells of an 8 x 1 x 1 grid: each begins at one plane and ends at the next.
+  Scene scene;
+  for (int i = 0; i < 8; ++i) scene.add_sphere({i + 0.5, 0.5, 0.5}, 0.5);
+  scene.finish();
+  const auto lists = [&](const char* touching, std::size_t cell) {
+    GridParams with;
+    with.resolution = "8x1x1";
+    with.touching = touching;
+    const UniformGrid grid = build_uniform_grid(scene, with, 1);
+    std::vector<std::int32_t> prims;
+    for (std::int32_t r = grid.first[cell]; r < grid.first[cell + 1]; ++r) {
+      prims.push_back(grid.pools.spheres.prim[grid.refs[static_cast<std::size_t>(r)] & GridRef::kIndexMask]);
+    }
+    std::sort(prims.begin(), prims.end());
+    return prims;
+  };
+  using Prims = std::vector<std::int32_t>;
+  EXPECT_EQ(lists("begin", 3), (Prims{3, 4}));
+  EXPECT_EQ(lists("end", 3), (Prims{2, 3}));
+  EXPECT_EQ(lists("all", 3), (Prims{2, 3, 4}));
+}
+
 }  // namespace
 }  // namespace raymeter

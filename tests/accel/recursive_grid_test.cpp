@@ -74,7 +74,7 @@ TEST(RecursiveGrid, EndsForAMillionAdversarialRaysAndAnswersAsTheList) {
   const Answer list = answer(scene, rays, "list", best_isa(), 16), grid = answer(scene, rays, technique, best_isa(), 1);
   expect_same_hits(grid.hits, list.hits, rays);
   EXPECT_GT(stats_of(scene, technique).max_depth, 1);
-  // Every ray at most nx + ny + nz - 2 cells on each level, here of grids of up to 5 cells on an axis; alone for the longest.
+  // Every ray at most nx + ny + nz - 2 cells on each level; alone for the longest.
   const TechniqueSpec spec = parse_technique(technique);
   const auto structure = spec.structure->build(scene, spec.params, 1);
   const auto tracer = structure->intersector({Isa::scalar, 1, spec.params});
@@ -87,7 +87,18 @@ TEST(RecursiveGrid, EndsForAMillionAdversarialRaysAndAnswersAsTheList) {
     tracer->closest_hit(rays.view(i, 1), hits.view(), &counters, scratch.data());
     longest = std::max(longest, counters.live(Event::leaf_visit));
   }
-  EXPECT_LE(longest, 13u * 13u * 13u * 13u);
+  RecursiveGridParams params;
+  params.top_density = params.density = 8;
+  params.max_leaf_size = 1;
+  params.levels = 4;
+  const RecursiveGrid grids = build_nested_grids(scene, params, 1);
+  std::int32_t inner = 0;
+  const auto cells_on_a_way = [](const NestedGrid& cells) { return cells.resolution[0] + cells.resolution[1] + cells.resolution[2] - 2; };
+  for (std::size_t g = 1; g < grids.grids.size(); ++g) inner = std::max(inner, cells_on_a_way(grids.grids[g]));
+  std::uint64_t bound = static_cast<std::uint64_t>(cells_on_a_way(grids.grids[0]));
+  for (int level = 0; level < grids.depth; ++level) bound *= static_cast<std::uint64_t>(inner);
+  EXPECT_LE(longest, bound);
+  EXPECT_GT(longest, static_cast<std::uint64_t>(cells_on_a_way(grids.grids[0]))) << "no ray went down";
 }
 
 TEST(RecursiveGrid, OfOneLevelVisitsTheCellsOfTheUniformGrid) {

@@ -30,16 +30,32 @@ Outline outline(const glm::dvec3& center, double radius, double phase, int sense
   return points;
 }
 
-void add_gear(Scene& scene, const glm::dvec3& top_center, double radius, double thickness, double phase) {
+/// The n - 2 triangles of an outline: two a tooth, and a fan over the convex rest.
+void add_split(Scene& scene, const Outline& points) {
+  for (std::size_t tooth = 0; tooth < kTeeth; ++tooth) {
+    const glm::dvec3& before = points[(4 * tooth + kCorners - 1) % kCorners];
+    scene.add_triangle(before, points[4 * tooth], points[4 * tooth + 1]);
+    scene.add_triangle(before, points[4 * tooth + 1], points[4 * tooth + 2]);
+  }
+  for (std::size_t corner = 1; corner + 1 < kCorners / 2; ++corner) {
+    const auto inner = [&](std::size_t i) { return points[4 * (i / 2) + 2 + i % 2]; };
+    scene.add_triangle(inner(0), inner(corner), inner(corner + 1));
+  }
+}
+
+enum class Faces { whole, split };
+
+void add_gear(Scene& scene, const glm::dvec3& top_center, double radius, double thickness, double phase, Faces faces) {
   const Outline top = outline(top_center, radius, phase, 1);
   const glm::dvec3 down(0, 0, -thickness);
-  scene.add_polygon(top);
+  const auto add_face = [&](const Outline& points) { faces == Faces::whole ? scene.add_polygon(points) : add_split(scene, points); };
+  add_face(top);
   for (std::size_t i = 0; i < kCorners; ++i) {
     const glm::dvec3 &here = top[i], &next = top[(i + 1) % kCorners];
     const std::array<glm::dvec3, 4> side{here, here + down, next + down, next};
     scene.add_polygon(side);
   }
-  scene.add_polygon(outline(top_center + down, radius, phase, -1));
+  add_face(outline(top_center + down, radius, phase, -1));
 }
 
 /// A bright colour for each place; every fifth diagonal plane of gears is glass.
@@ -59,9 +75,7 @@ Material gear_material(int x, int y, int z) {
   return material;
 }
 
-}  // namespace
-
-Scene make_gears(int size) {
+Scene make(int size, Faces faces) {
   Scene scene = spd_scene({-1.1, -2.1, 2.6}, {0, 0, 0}, {0, 0, 1}, 1, {{2, 4, 4}, {-2, 4, 3}, {2, -2.5, 2.5}, {-1, -4, 2}, {-1.111, -2.121, 2.626}});
   scene.set_material({.color = {1, 0.85, 0.7}, .diffuse = 0.3, .specular = 0.6, .shine = phong_power(37), .ior = 0});
   const std::array<glm::dvec3, 4> ground{{{2, 2, 0}, {-2, 2, 0}, {-2, -2, 0}, {2, -2, 0}}};
@@ -75,12 +89,18 @@ Scene make_gears(int size) {
         scene.set_material(gear_material(x, y, z));
         scene.begin_object("gear");
         // Neighbours mesh: every other gear is turned by half a tooth.
-        add_gear(scene, top_center, radius, thickness, std::numbers::pi * ((x + y + z) % 2) / kTeeth);
+        add_gear(scene, top_center, radius, thickness, std::numbers::pi * ((x + y + z) % 2) / kTeeth, faces);
         scene.end_object();
       }
     }
   }
   return scene;
 }
+
+}  // namespace
+
+Scene make_gears(int size) { return make(size, Faces::whole); }
+
+Scene make_split_gears(int size) { return make(size, Faces::split); }
 
 }  // namespace raymeter
