@@ -1,16 +1,11 @@
 #!/usr/bin/python3
-<<<<<<< HEAD
 """Tests scripts/published_tables on a made-up run and reference."""
-=======
-"""scripts/published_tables: finds the cells of a setting, and says by how much they differ."""
->>>>>>> a50e2da (List boxes that touch planes of cells as asked; published tables of grids)
 import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-<<<<<<< HEAD
 SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "published_tables"
 COUNTERS = """cell_id,scene,structure,params,ray_count,rays_hit,prim_tests,node_visits,leaf_visits,empty_leaf_visits
 1,spd:balls:4,octree,"max_depth=4,tracking=parametric",100,50,1000,700,400,100
@@ -52,65 +47,16 @@ class PublishedTables(unittest.TestCase):
     def test_an_unknown_counting_is_an_error(self) -> None:
         self.assertIn("unknown counting 'by_guess'; expected some of per_hit, unhit_twice", self.table(self.row("by_guess", "N_IT", "5"), code=2))
 
+    def test_rows_of_one_scene_are_told_apart_by_their_parameters(self) -> None:
+        text = self.table(self.row("", "N_IT", "10") + "some octree,spd:balls:4,octree,max_depth=4;tracking=neighbour,,N_IT,10\n")
+        self.assertIn("| spd:balls:4 | 10.00 / 10.00 (+0.0 %) |", text)
+        self.assertIn("| spd:balls:4, tracking=neighbour | not measured |", text)
+
+    def test_an_unknown_symbol_is_an_error(self) -> None:
+        self.assertIn("unknown symbol 'N_XY'", self.table(self.row("", "N_XY", "5"), code=2))
+
     def test_what_was_not_measured_is_said(self) -> None:
         self.assertIn("not measured", self.table("some octree,spd:gears:4,octree,max_depth=4,,N_IT,5\n"))
-=======
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts/published_tables"
-REFERENCE = """# Somebody, 1999
-setting,scene,structure,params,symbol,value
-uniform,spd:balls:4,grid,resolution=8x8x8;touching=begin,N_EV,100
-uniform,spd:balls:4,grid,resolution=8x8x8;touching=begin,N_IT,2.00
-uniform,spd:balls:4,grid,resolution=8x8x8;touching=all,N_EV,100
-uniform,spd:tree:11,grid,resolution=8x8x8,N_EV,100
-uniform,spd:tree:11,grid,resolution=8x8x8,N_IT,
-"""
-COUNTERS = """cell_id,scene,structure,params,ray_count,prim_tests,node_visits,leaf_visits,empty_leaf_visits
-a,spd:balls:4,grid,"resolution=8x8x8,touching=begin",10,25,30,30,0
-b,spd:balls:4,grid,"resolution=8x8x8,touching=all",10,20,30,30,0
-c,spd:balls:4,grid,"resolution=8x8x9,touching=all",10,70,30,30,0
-"""
-BUILDS = """cell_id,interior_nodes,leaves,empty_leaves,references
-a,0,512,101,7
-b,0,512,120,7
-c,0,576,0,7
-"""
-
-
-class PublishedTables(unittest.TestCase):
-    def setUp(self) -> None:
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.run_folder = Path(folder.name)
-        (self.run_folder / "counters.csv").write_text(COUNTERS, encoding="utf-8")
-        (self.run_folder / "builds.csv").write_text(BUILDS, encoding="utf-8")
-        self.reference = self.run_folder / "somebody.csv"
-        self.reference.write_text(REFERENCE, encoding="utf-8")
-
-    def tables(self) -> subprocess.CompletedProcess:
-        return subprocess.run([sys.executable, SCRIPT, self.run_folder, self.reference], capture_output=True, text=True, check=False)
-
-    def test_puts_measured_counts_beside_published_ones(self) -> None:
-        result = self.tables()
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn("Somebody, 1999", result.stdout)
-        self.assertIn("| spd:balls:4, touching=begin | 100 / 101 (+1.0 %) | **2.00 / 2.50 (+25.0 %)** |", result.stdout)
-        self.assertIn("| spd:balls:4, touching=all | **100 / 120 (+20.0 %)** | – / 2.00 |", result.stdout)
-
-    def test_says_what_the_run_lacks(self) -> None:
-        self.assertIn("| spd:tree:11 | not measured | |", self.tables().stdout)
-
-    def test_refuses_symbols_that_it_does_not_know(self) -> None:
-        self.reference.write_text(REFERENCE.replace("N_EV", "N_XY"), encoding="utf-8")
-        result = self.tables()
-        self.assertEqual(result.returncode, 2)
-        self.assertIn("unknown symbol 'N_XY'", result.stderr)
-
-    def test_refuses_what_is_no_results_folder(self) -> None:
-        (self.run_folder / "builds.csv").unlink()
-        result = self.tables()
-        self.assertEqual(result.returncode, 2)
-        self.assertIn("builds.csv is missing", result.stderr)
->>>>>>> a50e2da (List boxes that touch planes of cells as asked; published tables of grids)
 
 
 if __name__ == "__main__":
