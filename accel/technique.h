@@ -20,10 +20,10 @@ struct BuildStats {
   std::int64_t empty_leaves = 0;
   std::int64_t references = 0;  ///< primitive references over all leaves
   std::optional<std::int64_t> max_depth;
-  std::optional<double> sah_cost;  ///< expected tests of a random line that meets the root, C_t = C_i = 1
+  std::optional<double> sah_cost;  ///< what a random line that meets the root is expected to cost, C_t = C_i = 1, C_t for a node of two children
   std::optional<double> epo;       ///< end-point overlap
-  // Of hierarchies, in the order of the criteria of a good one:
-  std::optional<double> sibling_distance;  ///< mean distance of children from their common centre, relative to the scene's diagonal
+  // Of hierarchies, in the order of the criteria of a good one. sah_cost and these are of the nodes' volumes in use, epo and sibling_distance of their boxes.
+  std::optional<double> sibling_distance;  ///< mean distance of children's centres from their common centre, relative to the scene's diagonal
   std::optional<double> node_volume;       ///< mean volume of a node, relative to the root's
   std::optional<double> total_volume;      ///< of all nodes, relative to the root's
   std::optional<double> cost_depth;        ///< mean depth of the SAH cost

@@ -1,5 +1,5 @@
-// EPO, end-point overlap: Aila, Karras & Laine 2013, "On quality metrics of bounding volume hierarchies" (HPG): the sum over all nodes of their cost (1 for an
-// inner node, 1 a primitive for a leaf) times the share of the scene's surface that lies in the node's box without belonging to its subtree. It predicts what
+// EPO, end-point overlap: Aila, Karras & Laine 2013, "On quality metrics of bounding volume hierarchies" (HPG): the sum over all nodes of their cost
+// (sah_node_cost) times the share of the scene's surface that lies in the node's box without belonging to its subtree. It predicts what
 // rays that end on surfaces pay for overlap. Triangles and polygons are clipped to the boxes: that part is exact. Curved surfaces, and triangles where there
 // are very many, are sampled: points uniform in area, and the standard error of their mean.
 
@@ -21,11 +21,6 @@ namespace {
 constexpr std::size_t kSamples = 20000;         // points on surfaces; a standard error of 1 % where EPO scatters as much as it is large
 constexpr std::ptrdiff_t kMostClipped = 20000;  // triangles
 
-double volume(const Aabb& box) noexcept {
-  const glm::dvec3 e = glm::dvec3(box.max) - glm::dvec3(box.min);
-  return e.x * e.y * e.z;
-}
-
 glm::dvec3 center(const Aabb& box) noexcept { return 0.5 * (glm::dvec3(box.min) + glm::dvec3(box.max)); }
 
 bool meet(const Aabb& a, const Aabb& b) noexcept { return glm::all(glm::lessThanEqual(a.min, b.max)) && glm::all(glm::lessThanEqual(b.min, a.max)); }
@@ -33,9 +28,6 @@ bool meet(const Aabb& a, const Aabb& b) noexcept { return glm::all(glm::lessThan
 bool inside(const glm::dvec3& point, const Aabb& box) noexcept {
   return glm::all(glm::lessThanEqual(glm::dvec3(box.min), point)) && glm::all(glm::lessThanEqual(point, glm::dvec3(box.max)));
 }
-
-/// 1 for an inner node, 1 a primitive for a leaf.
-double cost(const BvhTree::Node& node) noexcept { return node.child_count > 0 ? 1.0 : node.prim_count; }
 
 /// Which primitives a node's subtree holds.
 class Holders {
@@ -112,7 +104,7 @@ private:
       const std::vector<glm::dvec3> vertices = outline(pools_, refs[i]);
       descend([&](std::int32_t n) {
         if (!meet(tree_.node(n).box, box)) return false;
-        if (!holders_.holds(n, refs[i])) sums[i] += cost(tree_.node(n)) * area_in_box(vertices, tree_.node(n).box);
+        if (!holders_.holds(n, refs[i])) sums[i] += sah_node_cost(tree_.node(n)) * area_in_box(vertices, tree_.node(n).box);
         return true;
       });
     });
@@ -135,7 +127,7 @@ private:
       const glm::dvec3 point = point_on_surface(pools_, ref, u, random.uniform());
       descend([&](std::int32_t n) {
         if (!inside(point, tree_.node(n).box)) return false;
-        if (!holders_.holds(n, ref)) costs[k] += cost(tree_.node(n));
+        if (!holders_.holds(n, ref)) costs[k] += sah_node_cost(tree_.node(n));
         return true;
       });
     });
@@ -151,34 +143,24 @@ private:
   std::vector<PrimRef> prims_;  ///< each once
 };
 
-/// Nearness of siblings, volumes, and how deep the SAH cost lies.
-void add_shape(const BvhTree& tree, BuildStats& stats) {
+void add_sibling_distance(const BvhTree& tree, BuildStats& stats) {
   const Aabb& scene = tree.nodes[0].box;
   const double diagonal = glm::length(glm::dvec3(scene.max) - glm::dvec3(scene.min));
-  double distances = 0, volumes = 0, costs = 0, cost_depths = 0;
-  std::vector<std::int32_t> depth(tree.nodes.size(), 0);
-  std::vector<double> cost_at_depth;
-  for (std::int32_t n = 0; n < static_cast<std::int32_t>(tree.nodes.size()); ++n) {  // parents before their children
-    const BvhTree::Node& node = tree.node(n);
-    const auto d = static_cast<std::size_t>(depth[static_cast<std::size_t>(n)]);
-    volumes += volume(node.box);
-    const double share = cost(node) * double{node.box.half_area()};
-    costs += share;
-    cost_depths += share * static_cast<double>(d);
-    if (d >= cost_at_depth.size()) cost_at_depth.resize(d + 1);
-    cost_at_depth[d] += share;
-    if (node.child_count == 0) continue;
+  double distances = 0;
+  for (const BvhTree::Node& node : tree.nodes) {
     glm::dvec3 middle(0.0);
     for (std::int32_t c = node.first; c < node.first + node.child_count; ++c) middle += center(tree.node(c).box) / double(node.child_count);
-    for (std::int32_t c = node.first; c < node.first + node.child_count; ++c) {
-      depth[static_cast<std::size_t>(c)] = static_cast<std::int32_t>(d) + 1;
+    for (std::int32_t c = node.first; c < node.first + node.child_count; ++c)
       distances += glm::length(center(tree.node(c).box) - middle) / double(node.child_count);
-    }
   }
   if (stats.interior_nodes > 0 && diagonal > 0) stats.sibling_distance = distances / static_cast<double>(stats.interior_nodes) / diagonal;
-  if (volume(scene) > 0) {
-    stats.total_volume = volumes / volume(scene);
-    stats.node_volume = *stats.total_volume / static_cast<double>(stats.nodes());
+}
+
+void add_cost_depth(const std::vector<double>& cost_at_depth, BuildStats& stats) {
+  double costs = 0, cost_depths = 0;
+  for (std::size_t d = 0; d < cost_at_depth.size(); ++d) {
+    costs += cost_at_depth[d];
+    cost_depths += cost_at_depth[d] * static_cast<double>(d);
   }
   if (!(costs > 0)) return;
   stats.cost_depth = cost_depths / costs;
@@ -190,11 +172,36 @@ void add_shape(const BvhTree& tree, BuildStats& stats) {
 
 }  // namespace
 
-void add_tree_quality(const Scene& scene, const BvhTree& tree, int threads, BuildStats& stats) {
+void add_volume_quality(const BvhTree& tree, std::span<const NodeMeasure> measures, BuildStats& stats) {
+  if (tree.nodes.empty()) return;
+  double half_areas = 0, enclosed = 0, costs = 0;
+  std::vector<std::int32_t> depth(tree.nodes.size(), 0);
+  std::vector<double> cost_at_depth;
+  for (std::size_t n = 0; n < tree.nodes.size(); ++n) {  // parents before their children
+    const BvhTree::Node& node = tree.nodes[n];
+    const auto d = static_cast<std::size_t>(depth[n]);
+    const double cost = sah_node_cost(node) * measures[n].half_area;
+    half_areas += measures[n].half_area;
+    enclosed += measures[n].enclosed;
+    costs += cost;
+    if (d >= cost_at_depth.size()) cost_at_depth.resize(d + 1);
+    cost_at_depth[d] += cost;
+    for (std::int32_t c = node.first; c < node.first + node.child_count; ++c) depth[static_cast<std::size_t>(c)] = static_cast<std::int32_t>(d) + 1;
+  }
+  stats.volume_area = 2 * half_areas;
+  if (measures[0].half_area > 0) stats.sah_cost = costs / measures[0].half_area;
+  if (measures[0].enclosed > 0) {
+    stats.total_volume = enclosed / measures[0].enclosed;
+    stats.node_volume = *stats.total_volume / static_cast<double>(stats.nodes());
+  }
+  add_cost_depth(cost_at_depth, stats);
+}
+
+void add_box_quality(const Scene& scene, const BvhTree& tree, int threads, BuildStats& stats) {
   if (tree.nodes.empty()) return;
   on_threads(threads, [&] {
+    add_sibling_distance(tree, stats);
     const BvhTree ordered = depth_first(tree);
-    add_shape(ordered, stats);
     EndPointOverlap(scene, ordered).measure(stats);
   });
 }

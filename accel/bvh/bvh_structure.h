@@ -4,6 +4,7 @@
 #include "accel/bvh/flat_tree.h"
 #include "accel/bvh/heap_kernel.h"
 #include "accel/bvh/packet_kernel.h"
+#include "accel/bvh/tree_quality.h"
 #include "accel/kernel_intersector.h"
 #include "accel/volume_links.h"
 #include "core/base/threads.h"
@@ -11,53 +12,51 @@
 
 namespace raymeter {
 
-/// The volumes of a tree's links. Axis-aligned boxes are the builder's own, which spatial splits may have cut; of other kinds each node's is fitted around
-/// all primitives below it, or, where that is as tight, merged from its children's.
+/// So many primitives at most have a volume fitted around all of them at once: it looks at a copy of each.
+inline constexpr std::int32_t kMostFitted = 1 << 15;
+
+/// The volumes of a tree's links. Axis-aligned boxes are the builder's own, which spatial splits may have cut. Of other kinds a node's volume is fitted around
+/// all primitives below it; where that is no tighter, or where there are too many, it is merged from its children's.
 template <BoundingVolume V>
 [[nodiscard]] std::vector<typename V::Bound> link_bounds(const V& volume, const Scene& scene, const BvhTree& tree, const FlatTree& flat, int threads) {
   std::vector<typename V::Bound> bounds(flat.links.size());
   if (tree.nodes.empty()) return bounds;
+  const auto merged = [&](std::size_t i) {
+    const FlatTree::Source& source = flat.sources[i];
+    return flat.links[i].tag() == VolumeLink::kInner && (V::kMergeIsTight || source.end_prim - source.first_prim > kMostFitted);
+  };
   const auto fit = [&](std::size_t i) {
     const FlatTree::Source& source = flat.sources[i];
     if (source.node < 0) return;
     if constexpr (std::same_as<V, AabbVolume>) {
       bounds[i] = tree.node(source.node).box;
-    } else if (!V::kMergeIsTight || flat.links[i].tag() != VolumeLink::kInner) {
+    } else if (!merged(i)) {
       bounds[i] = volume.fit(
           scene, std::span(flat.order).subspan(static_cast<std::size_t>(source.first_prim), static_cast<std::size_t>(source.end_prim - source.first_prim)));
     }
   };
   on_threads(threads, [&] { for_each_index(flat.links.size(), fit); });
-  for (std::size_t i = flat.links.size(); V::kMergeIsTight && !std::same_as<V, AabbVolume> && i-- > 0;) {
-    const VolumeLink& link = flat.links[i];
-    if (link.tag() != VolumeLink::kInner) continue;
-    const auto first = static_cast<std::size_t>(link.first);
+  for (std::size_t i = flat.links.size(); !std::same_as<V, AabbVolume> && i-- > 0;) {  // children stand behind their parent
+    if (!merged(i)) continue;
+    const auto first = static_cast<std::size_t>(flat.links[i].first);
     bounds[i] = bounds[first];
-    for (std::size_t c = 1; c < static_cast<std::size_t>(link.count()); ++c) bounds[i] = volume.merge(bounds[i], bounds[first + c]);
+    for (std::size_t c = 1; c < static_cast<std::size_t>(flat.links[i].count()); ++c) bounds[i] = volume.merge(bounds[i], bounds[first + c]);
   }
   return bounds;
 }
 
-/// Adds the area of the nodes' volumes, and the SAH cost by these areas.
+/// What the volumes of a tree's nodes measure.
 template <BoundingVolume V>
-void add_volume_quality(const V& volume, const Scene& scene, const BvhTree& tree, int threads, BuildStats& stats) {
+[[nodiscard]] std::vector<NodeMeasure> node_measures(const V& volume, const Scene& scene, const BvhTree& tree, int threads) {
   const FlatTree flat = flatten(tree);
   const std::vector<typename V::Bound> bounds = link_bounds(volume, scene, tree, flat, threads);
-  std::vector<double> half_area(bounds.size(), 0);
+  std::vector<NodeMeasure> measures(tree.nodes.size());
   on_threads(threads, [&] {
     for_each_index(bounds.size(), [&](std::size_t i) {
-      if (flat.sources[i].node >= 0) half_area[i] = volume.half_area(bounds[i]);
+      if (flat.sources[i].node >= 0) measures[static_cast<std::size_t>(flat.sources[i].node)] = {volume.half_area(bounds[i]), volume.enclosed(bounds[i])};
     });
   });
-  double area_sum = 0, cost_sum = 0;
-  for (std::size_t i = 0; i < bounds.size(); ++i) {
-    const FlatTree::Source& source = flat.sources[i];
-    const bool inner = flat.links[i].tag() == VolumeLink::kInner;
-    area_sum += half_area[i];
-    cost_sum += half_area[i] * (inner ? 1 : source.end_prim - source.first_prim);
-  }
-  stats.volume_area = 2 * area_sum;
-  if (half_area[0] > 0) stats.sah_cost = cost_sum / half_area[0];
+  return measures;
 }
 
 /// A hierarchy laid out for the traversals of any kind of volume.

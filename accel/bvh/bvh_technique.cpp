@@ -1,6 +1,5 @@
 #include "accel/bvh/bvh.h"
 #include "accel/bvh/bvh_structure.h"
-#include "accel/bvh/tree_quality.h"
 #include "accel/bvh/wide_bvh.h"
 
 namespace raymeter {
@@ -29,8 +28,8 @@ void add_bvh_quality(const Scene& scene, const ParamValues& values, int threads,
   if (params.traversal == "beam") return;  // its tree is collapsed as no builder hands it over
   // The layout does not keep the tree.
   const BvhTree tree = build_bvh_tree(scene, params, threads);
-  add_tree_quality(scene, tree, threads, stats);
-  with_volume(params.volume, params, scene, [&](const auto& volume) { add_volume_quality(volume, scene, tree, threads, stats); });
+  add_box_quality(scene, tree, threads, stats);
+  with_volume(params.volume, params, scene, [&](const auto& volume) { add_volume_quality(tree, node_measures(volume, scene, tree, threads), stats); });
 }
 
 }  // namespace raymeter

@@ -28,7 +28,11 @@ struct BvhTree {
 /// equal.
 [[nodiscard]] BvhTree depth_first(const BvhTree& tree);
 
-/// Nodes, leaves, references, depth and SAH cost (C_t = C_i = 1) of a tree.
+/// What the surface area heuristic with C_t = C_i = 1 takes a node for, once a ray meets it: half a test for each child's volume, so that a binary node costs
+/// C_t, and one for each primitive of a leaf.
+[[nodiscard]] inline double sah_node_cost(const BvhTree::Node& node) noexcept { return node.child_count > 0 ? 0.5 * node.child_count : node.prim_count; }
+
+/// Nodes, leaves, references, depth and SAH cost of a tree, by its boxes.
 [[nodiscard]] BuildStats tree_stats(const BvhTree& tree);
 
 }  // namespace raymeter

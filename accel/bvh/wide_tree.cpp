@@ -26,8 +26,10 @@ struct Treelet {
   int splits = 0;
 
   Treelet(const WideCuts& cuts, std::int32_t n) {
-    if (cuts.is_leaf(n)) child[static_cast<std::size_t>(children++)] = n;
-    else open(cuts, n, cuts.left_roots_below(n), kWideChildren);
+    if (cuts.is_leaf(n))
+      child[static_cast<std::size_t>(children++)] = n;
+    else
+      open(cuts, n, cuts.left_roots_below(n), kWideChildren);
   }
   /// Places of the children, front to back.
   [[nodiscard]] std::uint32_t order(std::uint32_t octant) const {
@@ -64,8 +66,10 @@ private:
     const std::size_t near = octant >> here.axis & 1;
     for (const std::size_t side : {near, 1 - near}) {
       const int part = here.part[side];
-      if (part >= kWideChildren) list(part - kWideChildren, octant, places, next);
-      else places |= static_cast<std::uint32_t>(part) << 4 * next++;
+      if (part >= kWideChildren)
+        list(part - kWideChildren, octant, places, next);
+      else
+        places |= static_cast<std::uint32_t>(part) << 4 * next++;
     }
   }
 };
@@ -114,7 +118,7 @@ WideTree collapse_wide(const Scene& scene, BvhTree tree, const WideTreeSettings&
     const Treelet treelet(cuts, item.source);
     ++wide.stats.interior_nodes;
     wide.stats.max_depth = std::max<std::int64_t>(*wide.stats.max_depth, item.depth + 1);
-    area_sum += double{cuts.at(item.source).box.half_area()};
+    area_sum += double{cuts.at(item.source).box.half_area()} * 0.5 * treelet.children;  // as sah_node_cost
     WideNode node = blank;
     for (std::uint32_t octant = 0; octant < 8; ++octant) node.order[octant] = treelet.order(octant);
     for (int c = 0; c < treelet.children; ++c) {

@@ -27,6 +27,11 @@ struct AabbVolume {
     const glm::dvec3 e = glm::dvec3(box.max) - glm::dvec3(box.min);
     return e.x * e.y + e.y * e.z + e.z * e.x;
   }
+  [[nodiscard]] double enclosed(const Aabb& box) const noexcept {
+    if (box.empty()) return 0;
+    const glm::dvec3 e = glm::dvec3(box.max) - glm::dvec3(box.min);
+    return e.x * e.y * e.z;
+  }
 
   [[nodiscard]] std::int32_t floats() const noexcept { return Layout::kFloats; }
   [[nodiscard]] Layout::Shared shared() const noexcept { return {}; }

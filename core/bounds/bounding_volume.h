@@ -16,6 +16,7 @@ namespace raymeter {
 /// fit(scene, prims)    around several, as tight as this kind of volume gets; at least one.
 /// merge(a, b)          holds every point of a and b.
 /// half_area(a)         half of its surface area: in proportion to the number of random lines that meet it.
+/// enclosed(a)          the volume inside it.
 /// kMergeIsTight        merging single fits is as tight as fitting all at once.
 /// Layout, write, ...   what kernels read: write(a, data) fills floats() numbers, shared() is what all volumes have in common (volume_layout.h).
 template <class V>
@@ -25,6 +26,7 @@ concept BoundingVolume = requires(const V& volume, const Scene& scene, PrimRef p
   { volume.fit(scene, prims) } -> std::same_as<typename V::Bound>;
   { volume.merge(bound, bound) } -> std::same_as<typename V::Bound>;
   { volume.half_area(bound) } -> std::same_as<double>;
+  { volume.enclosed(bound) } -> std::same_as<double>;
   { V::kMergeIsTight } -> std::convertible_to<bool>;
   { volume.floats() } -> std::same_as<std::int32_t>;
   { volume.shared() } -> std::same_as<typename V::Layout::Shared>;

@@ -156,7 +156,7 @@ Kdop KdopVolume::merge(const Kdop& a, const Kdop& b) const noexcept {
   return both;
 }
 
-double KdopVolume::half_area(const Kdop& kdop) const noexcept {
+KdopVolume::Measure KdopVolume::measure(const Kdop& kdop) const noexcept {
   // The parallelepiped of three slabs: everything is measured from its middle, and it reaches at least as far as the polytope.
   glm::dvec3 middle, half;
   for (glm::length_t a = 0; a < 3; ++a) {
@@ -176,7 +176,7 @@ double KdopVolume::half_area(const Kdop& kdop) const noexcept {
     normal[f] = f % 2 == 0 ? direction : -direction;
     height[f] = (f % 2 == 0 ? double{kdop.max[f / 2]} : -double{kdop.min[f / 2]}) - glm::dot(normal[f], center);
   }
-  double area = 0;
+  Measure polytope;
   for (std::size_t f = 0; f < faces; ++f) {
     const glm::dvec3 other = std::abs(normal[f].x) < std::abs(normal[f].y) ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
     const glm::dvec3 x = 4 * reach * glm::normalize(glm::cross(normal[f], other)), y = glm::cross(glm::normalize(normal[f]), x);
@@ -187,9 +187,11 @@ double KdopVolume::half_area(const Kdop& kdop) const noexcept {
     for (std::size_t g = 0; g < faces && face.count > 0; ++g) {
       if (g / 2 != f / 2) face.cut(normal[g], height[g]);
     }
-    area += face.area();
+    const double area = face.area();
+    polytope.area += area;
+    polytope.enclosed += area * height[f] / glm::length(normal[f]) / 3;  // the pyramid from the middle; outside of it heights are negative
   }
-  return area / 2;
+  return polytope;
 }
 
 KdopLayout::Shared KdopVolume::shared() const noexcept {

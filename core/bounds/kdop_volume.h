@@ -35,7 +35,8 @@ public:
   [[nodiscard]] Kdop fit(const Scene& scene, std::span<const PrimRef> prims) const;
   [[nodiscard]] Kdop merge(const Kdop& a, const Kdop& b) const noexcept;
   /// Of the polytope that the slabs cut out.
-  [[nodiscard]] double half_area(const Kdop& kdop) const noexcept;
+  [[nodiscard]] double half_area(const Kdop& kdop) const noexcept { return measure(kdop).area / 2; }
+  [[nodiscard]] double enclosed(const Kdop& kdop) const noexcept { return measure(kdop).enclosed; }
 
   [[nodiscard]] std::int32_t floats() const noexcept { return 2 * static_cast<std::int32_t>(directions_.size()); }
   [[nodiscard]] Layout::Shared shared() const noexcept;
@@ -46,7 +47,13 @@ public:
   [[nodiscard]] const glm::vec3& origin() const noexcept { return origin_; }
 
 private:
+  struct Measure {
+    double area = 0;
+    double enclosed = 0;
+  };
+
   KdopVolume(const Scene& scene, std::vector<glm::vec3> directions);
+  [[nodiscard]] Measure measure(const Kdop& kdop) const noexcept;
 
   std::vector<glm::vec3> directions_;
   glm::vec3 origin_{0.0f};

@@ -173,6 +173,8 @@ Obb ObbVolume::fit(const Scene& scene, std::span<const PrimRef> prims) const {
 }
 
 Obb ObbVolume::merge(const Obb& a, const Obb& b) const noexcept {
+  // Coincident boxes do not grow: builders rely on it where a hundred thousand objects are the same.
+  if (a.center == b.center && a.axis == b.axis && a.half == b.half) return a;
   Contents contents;
   contents.middle = (glm::dvec3(a.center) + glm::dvec3(b.center)) / 2.0;
   for (const Obb* box : {&a, &b}) {
@@ -193,6 +195,8 @@ Obb ObbVolume::merge(const Obb& a, const Obb& b) const noexcept {
 }
 
 double ObbVolume::half_area(const Obb& box) const noexcept { return half_area_of(glm::dvec3(box.half)); }
+
+double ObbVolume::enclosed(const Obb& box) const noexcept { return 8 * double{box.half.x} * double{box.half.y} * double{box.half.z}; }
 
 void ObbVolume::write(const Obb& box, float* data) const noexcept {
   for (glm::length_t a = 0; a < 3; ++a) {

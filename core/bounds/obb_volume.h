@@ -33,6 +33,7 @@ struct ObbVolume {
   /// Along the axes of a, of b or of the world, whichever gives the least area.
   [[nodiscard]] Obb merge(const Obb& a, const Obb& b) const noexcept;
   [[nodiscard]] double half_area(const Obb& box) const noexcept;
+  [[nodiscard]] double enclosed(const Obb& box) const noexcept;
 
   [[nodiscard]] std::int32_t floats() const noexcept { return Layout::kFloats; }
   [[nodiscard]] Layout::Shared shared() const noexcept { return {}; }

@@ -70,6 +70,8 @@ BoundingSphere SphereVolume::merge(const BoundingSphere& a, const BoundingSphere
 
 double SphereVolume::half_area(const BoundingSphere& sphere) const noexcept { return 2 * std::numbers::pi * double{sphere.radius} * double{sphere.radius}; }
 
+double SphereVolume::enclosed(const BoundingSphere& sphere) const noexcept { return half_area(sphere) * double{sphere.radius} * 2 / 3; }
+
 void SphereVolume::write(const BoundingSphere& sphere, float* data) const noexcept {
   for (glm::length_t a = 0; a < 3; ++a) data[a] = sphere.center[a];
   data[3] = sphere.radius;

@@ -23,6 +23,7 @@ struct SphereVolume {
   [[nodiscard]] BoundingSphere fit(const Scene& scene, std::span<const PrimRef> prims) const;
   [[nodiscard]] BoundingSphere merge(const BoundingSphere& a, const BoundingSphere& b) const noexcept;
   [[nodiscard]] double half_area(const BoundingSphere& sphere) const noexcept;
+  [[nodiscard]] double enclosed(const BoundingSphere& sphere) const noexcept;
 
   [[nodiscard]] std::int32_t floats() const noexcept { return Layout::kFloats; }
   [[nodiscard]] Layout::Shared shared() const noexcept { return {}; }

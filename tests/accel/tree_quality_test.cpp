@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "accel/bvh/bvh.h"
 #include "accel/bvh/surface_measure.h"
 #include "accel/bvh/tree_quality.h"
+#include "core/bounds/aabb_volume.h"
 #include "tests/support/random.h"
 
 namespace raymeter {
@@ -34,7 +36,10 @@ BvhTree flat_tree(const Scene& scene, const std::vector<Aabb>& boxes) {
 
 BuildStats quality(const Scene& scene, const BvhTree& tree, int threads = 1) {
   BuildStats stats = tree_stats(tree);
-  add_tree_quality(scene, tree, threads, stats);
+  std::vector<NodeMeasure> measures;
+  for (const BvhTree::Node& node : tree.nodes) measures.push_back({AabbVolume().half_area(node.box), AabbVolume().enclosed(node.box)});
+  add_volume_quality(tree, measures, stats);
+  add_box_quality(scene, tree, threads, stats);
   return stats;
 }
 
@@ -92,6 +97,34 @@ TEST(TreeQuality, ShapeOfATreeByHand) {
   // Half areas: the root 9, at depth 0; the leaves 3 each.
   EXPECT_DOUBLE_EQ(stats.cost_depth.value(), 6.0 / 15);
   EXPECT_EQ(stats.cost_depth_p90.value(), 1);
+}
+
+TEST(TreeQuality, ANodeCostsHalfATestForEachChild) {
+  const Scene scene = squares({{0, 0}, {1, 0}, {2, 0}, {3, 0}});
+  const BvhTree wide = flat_tree(scene, {{{0, 0, 0}, {1, 1, 1}}, {{1, 0, 0}, {2, 1, 1}}, {{2, 0, 0}, {3, 1, 1}}, {{3, 0, 0}, {4, 1, 1}}});
+  EXPECT_DOUBLE_EQ(quality(scene, wide).sah_cost.value(), 2 + 4 * 3.0 / 9);
+  EXPECT_DOUBLE_EQ(tree_stats(wide).sah_cost.value(), 2 + 4 * 3.0 / 9);
+  BvhTree binary = wide;  // two pairs
+  binary.nodes = {{wide.nodes[0].box, 1, 2, 0}, {{{0, 0, 0}, {2, 1, 1}}, 3, 2, 0}, {{{2, 0, 0}, {4, 1, 1}}, 5, 2, 0}};
+  binary.nodes.insert(binary.nodes.end(), wide.nodes.begin() + 1, wide.nodes.end());
+  EXPECT_DOUBLE_EQ(quality(scene, binary).sah_cost.value(), 1 + 2 * 5.0 / 9 + 4 * 3.0 / 9);
+}
+
+TEST(TreeQuality, IsOfTheVolumesInUse) {
+  Scene scene;
+  scene.add_sphere({0, 0, 0}, 1);
+  scene.add_sphere({2, 0, 0}, 1);
+  scene.finish();
+  const ParamValues values = resolve_bvh({{"volume", std::string("sphere")}, {"max_leaf_size", std::int64_t{1}}});
+  BuildStats stats = build_bvh(scene, values, 1)->stats();
+  add_bvh_quality(scene, values, 1, stats);
+  ASSERT_EQ(stats.nodes(), 3);
+  // A sphere of radius 2 around two of radius 1, but for padding.
+  EXPECT_NEAR(stats.sah_cost.value(), 1 + 2 * 0.25, 1e-4);
+  EXPECT_NEAR(stats.volume_area.value(), 4 * std::numbers::pi * (4 + 1 + 1), 1e-3);
+  EXPECT_NEAR(stats.total_volume.value(), 1 + 2 * 0.125, 1e-4);
+  EXPECT_NEAR(stats.node_volume.value(), 1.25 / 3, 1e-4);
+  EXPECT_NEAR(stats.cost_depth.value(), 0.5 / 1.5, 1e-4);
 }
 
 TEST(TreeQuality, NothingIsMeasuredOfAnEmptyTree) {

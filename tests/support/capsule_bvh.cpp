@@ -59,6 +59,10 @@ struct CapsuleVolume {
     });
   }
   [[nodiscard]] double half_area(const Capsule& c) const noexcept { return 2 * std::numbers::pi * double{c.radius} * (double{c.radius} + double{c.half}); }
+  [[nodiscard]] double enclosed(const Capsule& c) const noexcept {
+    const double r = double{c.radius};
+    return std::numbers::pi * r * r * (2 * double{c.half} + 4 * r / 3);
+  }
   [[nodiscard]] std::int32_t floats() const noexcept { return Layout::kFloats; }
   [[nodiscard]] Layout::Shared shared() const noexcept { return {}; }
   void write(const Capsule& capsule, float* data) const noexcept {
