@@ -47,10 +47,14 @@ std::string expected(const ParamInfo& info) {
 std::string to_string(const ParamValue& value) {
   return std::visit(
       []<class T>(const T& v) -> std::string {
-        if constexpr (std::is_same_v<T, bool>) return v ? "true" : "false";
-        else if constexpr (std::is_same_v<T, std::int64_t>) return std::to_string(v);
-        else if constexpr (std::is_same_v<T, double>) return number_text(v);
-        else return v;
+        if constexpr (std::is_same_v<T, bool>)
+          return v ? "true" : "false";
+        else if constexpr (std::is_same_v<T, std::int64_t>)
+          return std::to_string(v);
+        else if constexpr (std::is_same_v<T, double>)
+          return number_text(v);
+        else
+          return v;
       },
       value);
 }
@@ -84,7 +88,9 @@ void unknown_key(std::string_view key, std::span<const ParamInfo> infos) {
   for (const ParamInfo& info : infos) keys.push_back(info.key);
   const std::string near = nearest_word(key, keys);
   throw Error(std::string(key) + ": unknown parameter; " +
-              (!near.empty() ? "did you mean " + near + "?" : keys.empty() ? std::string("there are none") : "there are " + joined(keys)));
+              (!near.empty()  ? "did you mean " + near + "?"
+               : keys.empty() ? std::string("there are none")
+                              : "there are " + joined(keys)));
 }
 
 void wrong_type(const ParamInfo& info, const ParamValue& value) {
@@ -92,5 +98,16 @@ void wrong_type(const ParamInfo& info, const ParamValue& value) {
 }
 
 }  // namespace params_detail
+
+void check_used(std::span<const ParamInfo> infos, const std::string& key, const ParamValue& value, std::span<const ParamValues> settings) {
+  const auto info = std::find_if(infos.begin(), infos.end(), [&](const ParamInfo& one) { return one.key == key; });
+  if (info == infos.end() || to_string(value) == to_string(info->default_value)) return;
+  const auto has = [&](const ParamValues& setting) {
+    return std::any_of(setting.begin(), setting.end(), [&](const auto& entry) { return entry.first == key; });
+  };
+  if (std::any_of(settings.begin(), settings.end(), has)) return;
+  throw Error(key + ": does nothing beside the other parameters, expected its default, " + to_string(info->default_value) + ", got " + to_string(value) +
+              "; it is for " + std::string(info->help));
+}
 
 }  // namespace raymeter

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -30,6 +31,7 @@ struct ParamInfo {
   double max = 0;
   std::vector<std::string_view> choices;  ///< strings only; empty: any text
   ParamUse use = ParamUse::build;
+  std::vector<std::string_view> same_build;  ///< choices that a build does not tell apart
 };
 
 /// One row of a technique's static fields(): where the value lives and what is allowed. Default values stand in the struct alone.
@@ -42,7 +44,17 @@ struct Param {
   double max = 0;
   std::vector<std::string_view> choices = {};
   ParamUse use = ParamUse::build;
+  /// Whether it means anything beside the others; null: always.
+  bool (*applies)(const Params&) = nullptr;
+  std::vector<std::string_view> same_build = {};
 };
+
+/// The same row, for settings alone in which the parameter means something.
+template <class Params>
+[[nodiscard]] Param<Params> where(bool (*applies)(const std::type_identity_t<Params>&), Param<Params> row) {
+  row.applies = applies;
+  return row;
+}
 
 /// The known word nearest to `word`, for "did you mean"; empty where none is near.
 [[nodiscard]] std::string nearest_word(std::string_view word, std::span<const std::string_view> known);
@@ -54,17 +66,22 @@ void check_choice(const ParamInfo& info, std::string_view value);
 [[noreturn]] void wrong_type(const ParamInfo& info, const ParamValue& value);
 }  // namespace params_detail
 
+/// Throws Error for a value other than the default whose parameter is in none of `settings`, resolved ones that came of it: it would do nothing.
+void check_used(std::span<const ParamInfo> infos, const std::string& key, const ParamValue& value, std::span<const ParamValues> settings);
+
 /// The parameters of a technique, with defaults.
 template <class Params>
 [[nodiscard]] std::vector<ParamInfo> param_infos() {
   const Params defaults;
   std::vector<ParamInfo> infos;
   for (const auto& field : Params::fields()) {
-    ParamInfo info{field.key, field.help, {}, field.min, field.max, field.choices, field.use};
+    ParamInfo info{field.key, field.help, {}, field.min, field.max, field.choices, field.use, field.same_build};
     std::visit(
-        [&]<class T>(T Params::* member) {
-          if constexpr (std::is_same_v<T, int>) info.default_value = std::int64_t{defaults.*member};
-          else info.default_value = defaults.*member;
+        [&]<class T>(T Params::*member) {
+          if constexpr (std::is_same_v<T, int>)
+            info.default_value = std::int64_t{defaults.*member};
+          else
+            info.default_value = defaults.*member;
         },
         field.member);
     infos.push_back(std::move(info));
@@ -85,11 +102,14 @@ template <class Params>
     while (i < infos.size() && infos[i].key != key) ++i;
     if (i == infos.size()) params_detail::unknown_key(key, infos);
     std::visit(
-        [&]<class T>(T Params::* member) {
+        [&]<class T>(T Params::*member) {
           if constexpr (std::is_same_v<T, double>) {
-            if (const auto* whole = std::get_if<std::int64_t>(&value)) params.*member = static_cast<double>(*whole);
-            else if (const auto* number = std::get_if<double>(&value)) params.*member = *number;
-            else params_detail::wrong_type(infos[i], value);
+            if (const auto* whole = std::get_if<std::int64_t>(&value))
+              params.*member = static_cast<double>(*whole);
+            else if (const auto* number = std::get_if<double>(&value))
+              params.*member = *number;
+            else
+              params_detail::wrong_type(infos[i], value);
             params_detail::check_number(infos[i], params.*member);
           } else if constexpr (std::is_same_v<T, int>) {
             const auto* whole = std::get_if<std::int64_t>(&value);
@@ -108,15 +128,19 @@ template <class Params>
   return params;
 }
 
-/// All parameters with their values, defaults included, in the order of fields(): what records show.
+/// The parameters that mean something beside each other, with their values, defaults included, in the order of fields(): what records show. bind() makes the
+/// same setting of them, so that two settings that differ only in what does nothing are one.
 template <class Params>
 [[nodiscard]] ParamValues resolved(const Params& params) {
   ParamValues values;
   for (const auto& field : Params::fields()) {
+    if (field.applies != nullptr && !field.applies(params)) continue;
     std::visit(
-        [&]<class T>(T Params::* member) {
-          if constexpr (std::is_same_v<T, int>) values.emplace_back(field.key, std::int64_t{params.*member});
-          else values.emplace_back(field.key, params.*member);
+        [&]<class T>(T Params::*member) {
+          if constexpr (std::is_same_v<T, int>)
+            values.emplace_back(field.key, std::int64_t{params.*member});
+          else
+            values.emplace_back(field.key, params.*member);
         },
         field.member);
   }

@@ -92,7 +92,9 @@ ParamValues parse_params(const Row& row, std::string_view text) {
     values.emplace_back(key, std::move(value));
   }
   try {
-    return row.resolve(values);
+    const std::vector<ParamValues> resolved{row.resolve(values)};
+    for (const auto& [key, value] : values) check_used(infos, key, value, resolved);
+    return resolved.front();
   } catch (const Error& error) {
     throw Error(std::string(row.name) + ":" + error.what());
   }

@@ -36,7 +36,7 @@ struct TechniqueInfo {
 /// A technique as written on the command line: STRUCTURE[:key=value,...][+FIRST_HIT[:key=value,...]][+OCCLUSION[:key=value,...]].
 struct TechniqueSpec {
   const StructureEntry* structure = nullptr;
-  ParamValues params;  ///< resolved: all of them
+  ParamValues params;  ///< resolved: all that mean something
   Chosen<FirstHitEntry> first_hit;
   Chosen<OcclusionEntry> occlusion;
 };

@@ -39,7 +39,7 @@ struct BuildStats {
 struct QueryOptions {
   Isa isa = Isa::scalar;
   int packet = 1;      ///< rays per packet, 1..kMaxPacket
-  ParamValues params;  ///< all of the technique's; only those with ParamUse::query may differ from the build's
+  ParamValues params;  ///< the technique's; they may differ from the build's in what needs no new one: ParamUse::query, ParamInfo::same_build
 };
 
 /// A built acceleration structure. Keeps what it needs of the scene by reference: the scene must outlive it.
@@ -57,7 +57,7 @@ struct StructureEntry {
   std::string_view summary;
   std::string_view source;  ///< who, when, where
   std::vector<ParamInfo> (*params)();
-  /// All parameters with their values, or Error.
+  /// All parameters that mean something beside each other, with their values; or Error.
   ParamValues (*resolve)(const ParamValues& values);
   /// Builds on at most `threads` threads (0: all). The result does not depend on their number.
   std::unique_ptr<Structure> (*build)(const Scene& scene, const ParamValues& values, int threads);

@@ -25,11 +25,19 @@ template <class Params>
 [[nodiscard]] std::vector<Param<Params>> volume_fields() {
   using Field = Param<Params>;
   return {
-      Field{"tight", &Params::tight, "sphere: nearly the smallest one, instead of one about the box's centre"},
-      Field{
-          "axes", &Params::axes, "obb: of the composite object's own space, the principal components, or those of least area", 0, 0, {"best", "pca", "object"}},
-      Field{"k", &Params::k, "kdop: planes; 6, 8, 12, 14, 18, 20 or 26", 6, 26},
-      Field{"directions", &Params::directions, "kdop: own directions instead, as in 1 0 0/0 1 0/0 0.6 0.8"},
+      where<Params>([](const Params& p) { return p.volume == "sphere"; },
+                    Field{"tight", &Params::tight, "sphere: nearly the smallest one, instead of one about the box's centre"}),
+      where<Params>([](const Params& p) { return p.volume == "obb"; },
+                    Field{"axes",
+                          &Params::axes,
+                          "obb: of the composite object's own space, the principal components, or those of least area",
+                          0,
+                          0,
+                          {"best", "pca", "object"}}),
+      where<Params>([](const Params& p) { return p.volume == "kdop" && p.directions.empty(); },
+                    Field{"k", &Params::k, "kdop without directions: planes; 6, 8, 12, 14, 18, 20 or 26", 6, 26}),
+      where<Params>([](const Params& p) { return p.volume == "kdop"; },
+                    Field{"directions", &Params::directions, "kdop: own directions instead, as in 1 0 0/0 1 0/0 0.6 0.8"}),
   };
 }
 

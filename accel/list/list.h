@@ -15,7 +15,9 @@ struct ListParams : VolumeParams {
     using Field = Param<ListParams>;
     std::vector<Field> fields{
         Field{"volume", &ListParams::volume, "bounding volume that is tested before an object", 0, 0, {"none", "sphere", "aabb", "obb", "kdop"}},
-        Field{"around", &ListParams::around, "what has a volume: each primitive, or each composite object of the scene", 0, 0, {"primitive", "object"}},
+        where<ListParams>(
+            [](const ListParams& p) { return p.volume != "none"; },
+            Field{"around", &ListParams::around, "volumes: around each primitive, or each composite object of the scene", 0, 0, {"primitive", "object"}}),
     };
     const std::vector<Field> volume = volume_fields<ListParams>();
     fields.insert(fields.end(), volume.begin(), volume.end());
@@ -23,7 +25,7 @@ struct ListParams : VolumeParams {
   }
 };
 
-/// All parameters with their values; throws Error also where those of the volume contradict each other.
+/// As resolve_params; throws Error also where those of the volume contradict each other.
 [[nodiscard]] ParamValues resolve_list(const ParamValues& values);
 
 /// Adds the areas of the volumes.

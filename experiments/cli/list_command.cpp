@@ -63,7 +63,10 @@ std::string description(const TechniqueInfo& technique) {
   text += fmt::format("\nParameters, with (default) and range{}:\n", has_query ? "; one marked 'query' needs no new build" : "");
   for (const ParamInfo& info : infos) {
     text += fmt::format("  {:<22} ({}) {}{}\n  {:<22} {}\n", info.key, to_string(info.default_value), value_range(info),
-                        info.use == ParamUse::query ? "; query" : "", "", info.help);
+                        info.use == ParamUse::query ? "; query"
+                        : !info.same_build.empty()  ? fmt::format("; {} share a build", fmt::join(info.same_build, ", "))
+                                                    : "",
+                        "", info.help);
   }
   return text;
 }

@@ -28,12 +28,14 @@ std::vector<ParamValues> param_products(const TechniqueAxis<Entry>& axis) {
     }
     products = std::move(longer);
   }
-  for (ParamValues& product : products) {
-    try {
-      product = axis.entry->resolve(product);
-    } catch (const Error& error) {
-      throw Error(axis.path + "." + error.what());
+  try {
+    for (ParamValues& product : products) product = axis.entry->resolve(product);
+    const std::vector<ParamInfo> infos = axis.entry->params();
+    for (const auto& [key, values] : axis.params) {
+      for (const ParamValue& value : values) check_used(infos, key, value, products);
     }
+  } catch (const Error& error) {
+    throw Error(axis.path + "." + error.what());
   }
   return products;
 }
@@ -117,13 +119,18 @@ bool differ_only_in(const Experiment& a, const Experiment& b, const Pattern& fre
     if (field(a, std::string(slot.slot)) != field(b, std::string(slot.slot))) return false;
     for (const auto& [key, value] : slot.params) {
       const std::string param = fmt::format("{}.{}", slot.slot, key);
-      if (!free.names(param) && field(a, param) != field(b, param)) return false;
+      const std::optional<std::string> other = field(b, param);  // a parameter that does nothing in one of them is no difference
+      if (!free.names(param) && other && field(a, param) != other) return false;
     }
   }
   for (const char* key : {"scene", "max_depth", "min_weight", "isa", "packet", "rays", "threads"}) {
     if (!free.names(key) && field(a, key) != field(b, key)) return false;
   }
   return true;
+}
+
+void leave_out_defaults(ParamValues& params, const std::vector<ParamInfo>& infos) {
+  for (const ParamInfo& info : infos) std::erase(params, std::pair(std::string(info.key), info.default_value));
 }
 
 }  // namespace
@@ -171,7 +178,7 @@ std::vector<Experiment> expand(const Config& config, const Pattern& filter, cons
     for (Experiment& cell : scene_cells(config, config.matrix.scene[s])) {
       const auto excludes = [&](const Pattern& pattern) { return pattern.matches(cell); };
       if (std::any_of(config.exclude.begin(), config.exclude.end(), excludes) || !filter.matches(cell, true)) continue;
-      cell.id = hash_text(canonical_json(cell));
+      cell.id = cell_identity(cell);
       if (seen.insert(cell.id).second) cells.push_back(std::move(cell));
     }
   }
@@ -195,6 +202,14 @@ std::string canonical_json(const Experiment& e) {
                       {"height", e.height}};
   if (e.camera != CameraConvention::pixel) json["camera"] = name(e.camera);
   return json.dump();
+}
+
+std::string cell_identity(const Experiment& e) {
+  Experiment chosen = e;
+  leave_out_defaults(chosen.params, e.structure->params());
+  leave_out_defaults(chosen.first_hit.params, e.first_hit.entry->params());
+  leave_out_defaults(chosen.occlusion.params, e.occlusion.entry->params());
+  return hash_text(canonical_json(chosen));
 }
 
 std::vector<std::optional<std::size_t>> reference_cells(const Config& config, const std::vector<Experiment>& cells) {

@@ -22,8 +22,10 @@ struct Shard {
 /// Throws Error where the product has more than a million cells.
 [[nodiscard]] std::vector<Experiment> expand(const Config& config, const Pattern& filter = {}, const Shard& shard = {});
 
-/// The canonical JSON of a cell, from which its id is made.
+/// The canonical JSON of a cell, for records: its parameters as they are used, defaults included.
 [[nodiscard]] std::string canonical_json(const Experiment& experiment);
+/// A cell's id: a hash of that JSON without the parameters that are at their defaults, so that one that is new changes no cell that does without it.
+[[nodiscard]] std::string cell_identity(const Experiment& experiment);
 
 /// For each cell the index of the one that its time is held against, if there is one.
 [[nodiscard]] std::vector<std::optional<std::size_t>> reference_cells(const Config& config, const std::vector<Experiment>& cells);

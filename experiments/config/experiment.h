@@ -31,10 +31,10 @@ struct RaysChoice {
 
 /// One cell of the matrix, fully resolved: what is measured. How often and how carefully is in Config.
 struct Experiment {
-  std::string id;  ///< hash of the canonical JSON of everything below but the specs and paths
+  std::string id;  ///< hash of everything below but the specs and paths, and parameters at their defaults
   SceneChoice scene;
   const StructureEntry* structure = nullptr;
-  ParamValues params;                       ///< all of the structure's
+  ParamValues params;                       ///< the structure's, all that mean something beside each other
   Chosen<FirstHitEntry> first_hit;          ///< the default where the rays have no first hit of the eye: see takes_first_hit()
   Chosen<OcclusionEntry> occlusion;         ///< the default where the rays are no shadow rays: see takes_occlusion()
   int max_depth = Termination{}.max_depth;  ///< of frames; where ray sets are traced it stays as it is here

@@ -21,6 +21,7 @@ struct PlannedCell {
   std::string id;
   std::string scene;
   std::string what;
+  nlohmann::json params;
 };
 
 std::vector<PlannedCell> read_plan(const std::filesystem::path& folder) {
@@ -41,7 +42,7 @@ std::vector<PlannedCell> read_plan(const std::filesystem::path& folder) {
       std::string what = fmt::format("{} {}{} {} packet {} {} threads {}", text("scene"), text("structure"), params, text("isa"), cell.at("packet").dump(),
                                      text("rays"), text("threads"));
       if (text("rays") == "image") what += fmt::format(" max_depth {} min_weight {}", cell.at("max_depth").dump(), cell.at("min_weight").dump());
-      cells.push_back({text("cell"), text("scene"), what});
+      cells.push_back({text("cell"), text("scene"), what, cell.at("params")});
     }
   } catch (const nlohmann::json::exception&) {
     throw Error((folder / "plan.jsonl").string() + ": not a plan");
@@ -82,8 +83,16 @@ std::vector<std::string> changes(const CheckRecord& base, const CheckRecord& wit
   return changed;
 }
 
-CellComparison compare_cells(const Run& base, const Run& with, const PlannedCell& cell) {
+/// A cell's id leaves out parameters at their defaults: where a default has changed, one id means two settings.
+void add_changed_defaults(const PlannedCell& base, const PlannedCell& with, std::vector<std::string>& changed) {
+  for (const auto& [key, value] : base.params.items()) {
+    if (with.params.contains(key) && with.params.at(key) != value) changed.push_back(fmt::format("{} {} -> {}", key, value.dump(), with.params.at(key).dump()));
+  }
+}
+
+CellComparison compare_cells(const Run& base, const Run& with, const PlannedCell& cell, const PlannedCell& same_cell) {
   CellComparison result{cell.what, {}, {}, changes(base.records.checks.at(cell.id), with.records.checks.at(cell.id))};
+  add_changed_defaults(cell, same_cell, result.changed);
   const std::vector<double> before = ns_per_ray(base.records, cell.id);
   const std::vector<double> after = ns_per_ray(with.records, cell.id);
   if (before.empty() || after.empty() || median(before) <= 0) return result;
@@ -107,11 +116,12 @@ RunComparison compare_runs(const std::filesystem::path& base_folder, const std::
   for (const PlannedCell& cell : base.plan) {
     const auto found = std::find_if(before.begin(), before.end(), [&](const auto& entry) { return entry.second == &cell; });
     if (found == before.end()) continue;
-    if (!after.contains(found->first)) {
+    const auto same_cell = after.find(found->first);
+    if (same_cell == after.end()) {
       ++result.only_base;
       continue;
     }
-    result.cells.push_back(compare_cells(base, with, cell));
+    result.cells.push_back(compare_cells(base, with, cell, *same_cell->second));
     if (result.cells.back().ratio) ratios.push_back(*result.cells.back().ratio);
   }
   result.only_new = after.size() - result.cells.size();

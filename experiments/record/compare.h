@@ -15,7 +15,7 @@ struct CellComparison {
   std::optional<double> ratio;  ///< time of the new run against the base's, medians
   /// Covers the ratio of the true medians with at least 90 %: each run's median lies in its own interval with 95 %.
   std::optional<Interval> interval;
-  std::vector<std::string> changed;  ///< counters, or "hits", that differ
+  std::vector<std::string> changed;  ///< counters, "hits", or defaults of parameters, that differ
 };
 
 struct RunComparison {

@@ -143,8 +143,12 @@ std::string cell_id(const Experiment& cell, const RunRecords& records) {
 std::string build_text(const Experiment& cell) {
   ParamValues params;
   const std::vector<ParamInfo> infos = cell.structure->params();
-  for (std::size_t i = 0; i < infos.size(); ++i) {
-    if (infos[i].use == ParamUse::build) params.push_back(cell.params[i]);
+  for (const auto& [key, value] : cell.params) {
+    const std::string& name = key;  // clang 14 captures no structured bindings
+    const auto info = std::find_if(infos.begin(), infos.end(), [&](const ParamInfo& one) { return one.key == name; });
+    if (info == infos.end() || info->use != ParamUse::build) continue;
+    const auto same = std::find(info->same_build.begin(), info->same_build.end(), to_string(value));
+    params.emplace_back(key, same == info->same_build.end() ? value : ParamValue(fmt::format("{}", fmt::join(info->same_build, "|"))));
   }
   const std::string text = params_text(params);
   return std::string(cell.structure->name) + (text.empty() ? "" : ":" + text);

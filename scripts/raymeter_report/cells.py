@@ -102,7 +102,8 @@ def _label(cells: list[Cell]) -> None:
         for name, params in slots_of(cell):
             variants[name].append(parse_params(params))
         phases[str(cell.summary["rays"])].add(str(cell.summary["phase"]))
-    varying = {name: {key for one in all_of for key in one if len({p.get(key) for p in all_of}) > 1} for name, all_of in variants.items()}
+    # A parameter that means nothing to some of them is told by those that it depends on.
+    varying = {name: {key for one in all_of for key in one if len({p[key] for p in all_of if key in p}) > 1} for name, all_of in variants.items()}
     seen = Counter(comparison_key(cell) for cell in cells)
     for cell in cells:
         parts = []

@@ -29,7 +29,7 @@ def pictures_of(run: Run) -> list[Picture]:
 def technique(stats: dict[str, Any], everything: list[dict[str, Any]]) -> str:
     """The technique in the command line's form, with only the parameters that tell it from the others of its structure."""
     alike = [one.get("params", {}) for one in everything if one.get("structure") == stats.get("structure")]
-    shown = [f"{key}={value}" for key, value in stats.get("params", {}).items() if any(other.get(key) != value for other in alike)]
+    shown = [f"{key}={value}" for key, value in stats.get("params", {}).items() if any(other.get(key, value) != value for other in alike)]
     return stats.get("structure", "") + (":" + ",".join(shown) if shown else "")
 
 

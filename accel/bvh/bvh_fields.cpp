@@ -1,0 +1,65 @@
+// THE table of parameters of `bvh`: what is allowed, what it is for, and beside which others it means something.
+
+#include "accel/bvh/bvh.h"
+
+namespace raymeter {
+
+namespace {
+
+using Field = Param<BvhParams>;
+
+bool by_sah(const BvhParams& p) { return p.builder != "goldsmith_salmon"; }
+bool by_bins(const BvhParams& p) { return p.builder == "binned_sah" || p.builder == "sbvh"; }
+bool by_insertion(const BvhParams& p) { return p.builder == "goldsmith_salmon"; }
+bool by_random_insertion(const BvhParams& p) { return by_insertion(p) && (p.insertion_order == "shuffled" || p.insertion_order == "best"); }
+bool by_best_insertion(const BvhParams& p) { return by_insertion(p) && p.insertion_order == "best"; }
+bool by_spatial_splits(const BvhParams& p) { return p.builder == "sbvh"; }
+bool by_clustering(const BvhParams& p) { return p.builder == "ploc"; }
+bool in_beams(const BvhParams& p) { return p.traversal == "beam"; }
+
+std::vector<Field> insertion_fields() {
+  return {
+      where(by_insertion, Field{"insertion_order",
+                                &BvhParams::insertion_order,
+                                "goldsmith_salmon: as in the scene, along its longest axis, at random, or the cheapest tree of `shuffles` random orders",
+                                0,
+                                0,
+                                {"file", "sorted", "shuffled", "best"}}),
+      where(by_random_insertion, Field{"insertion_seed", &BvhParams::insertion_seed, "goldsmith_salmon: of the first random order", 0, 1000000}),
+      where(by_best_insertion, Field{"shuffles", &BvhParams::shuffles, "goldsmith_salmon: random orders tried by insertion_order=best", 1, 1000}),
+      where(by_insertion, Field{"inherited", &BvhParams::inherited, "goldsmith_salmon: a place's cost includes the growth of the nodes above it"}),
+      where(by_insertion, Field{"leaf_boxes", &BvhParams::leaf_boxes,
+                                "goldsmith_salmon: primitives have boxes of their own; off: those under a node are tested once it is opened"}),
+  };
+}
+
+}  // namespace
+
+std::vector<Field> BvhParams::fields() {
+  std::vector<Field> fields{
+      {"volume", &BvhParams::volume, "bounding volume of a node", 0, 0, {"aabb", "sphere", "obb", "kdop"}},
+      {"builder", &BvhParams::builder, "how the hierarchy is built", 0, 0, bvh_builder_names()},
+      {"traversal", &BvhParams::traversal, "how rays go through it", 0, 0, {"packet", "heap", "beam"}, ParamUse::build, nullptr, {"packet", "heap"}},
+      where(by_bins, Field{"bins", &BvhParams::bins, "binned_sah, sbvh: bins per axis, where a node has at least that many primitives", 2, 64}),
+      where([](const BvhParams& p) { return by_sah(p) || in_beams(p); },
+            Field{"max_leaf_size", &BvhParams::max_leaf_size,
+                  "surface area heuristic: larger leaves are split even where that costs more; beam: but for leaves of triangles", 1, 64}),
+      where(by_sah, Field{"node_cost", &BvhParams::node_cost, "surface area heuristic: cost of a node in primitive tests", 0.01, 100}),
+  };
+  const auto add = [&](const std::vector<Field>& more) { fields.insert(fields.end(), more.begin(), more.end()); };
+  add(insertion_fields());
+  add({
+      where(by_spatial_splits, Field{"split_overlap", &BvhParams::split_overlap,
+                                     "sbvh: planes are tried where children overlap by more than this share of the root's area", 0, 1}),
+      where(by_spatial_splits,
+            Field{"split_budget", &BvhParams::split_budget, "sbvh: most references beyond one a primitive, relative to the primitives", 0, 8}),
+      where(by_clustering, Field{"ploc_radius", &BvhParams::ploc_radius, "ploc: how far away in the order a cluster looks for a partner", 1, 1000}),
+      {"reinsertion", &BvhParams::reinsertion, "rounds in which subtrees of the binary tree are moved to better places", 0, 1000},
+      where([](const BvhParams& p) { return !in_beams(p); },
+            Field{"width", &BvhParams::width, "most children of a node, by opening nodes and grouping children; 0: as built", 0, 64}),
+  });
+  add(volume_fields<BvhParams>());
+  return fields;
+}
+
+}  // namespace raymeter
