@@ -63,7 +63,7 @@ std::vector<ParamValue> other_values(const ParamInfo& info) {
   return values;
 }
 
-/// Parameters that mean something only together, besides those that are tried one at a time.
+/// Parameters that mean something only together, besides those that are tried one at a time. An asterisk stands for all choices of its parameter.
 constexpr std::array kTogether{
     "list:volume=aabb,around=object",
     "list:volume=sphere,tight=on,around=object",
@@ -77,22 +77,51 @@ constexpr std::array kTogether{
     "bvh:volume=kdop,k=6,builder=goldsmith_salmon",
     "bvh:volume=kdop,directions=1 0.25 0/-0.5 2 0.125/3 1 -4/0 0 1",
     "bvh:traversal=heap,builder=goldsmith_salmon",
+    "bvh:builder=*",
+    "bvh:traversal=beam,builder=*",
+    "bvh:traversal=beam,builder=goldsmith_salmon,leaf_boxes=off",
+    "bvh:traversal=beam,builder=sweep_sah,reinsertion=2",
+    "bvh:traversal=beam,max_leaf_size=1",
+    "bvh:builder=goldsmith_salmon,insertion_order=*",
+    "bvh:builder=goldsmith_salmon,inherited=off",
+    "bvh:builder=goldsmith_salmon,leaf_boxes=off",
+    "bvh:builder=sbvh,split_overlap=0,split_budget=8",
+    "bvh:builder=ploc,ploc_radius=1",
 };
+
+/// The techniques that a text with an asterisk stands for.
+std::vector<std::string> spelt_out(const StructureEntry& entry, std::string_view text) {
+  const auto star = text.find('*');
+  if (star == std::string_view::npos) return {std::string(text)};
+  const std::string_view before = text.substr(0, star - 1);
+  const std::string_view key = before.substr(before.find_last_of(":,") + 1);
+  std::vector<std::string> texts;
+  for (const ParamInfo& info : entry.params()) {
+    if (info.key != key) continue;
+    for (const std::string_view choice : info.choices)
+      texts.push_back(std::string(text.substr(0, star)) + std::string(choice) + std::string(text.substr(star + 1)));
+  }
+  return texts;
+}
 
 /// The technique with its defaults first, then with one parameter changed at a time, then with those that go together.
 std::vector<ParamValues> variants(const StructureEntry& entry) {
   std::vector<ParamValues> out{entry.resolve({})};
+  const auto add = [&](ParamValues values) {  // one that means nothing alone makes the default
+    if (std::find(out.begin(), out.end(), values) == out.end()) out.push_back(std::move(values));
+  };
   for (const ParamInfo& info : entry.params()) {
     for (const ParamValue& value : other_values(info)) {
       try {
-        out.push_back(entry.resolve({{std::string(info.key), value}}));
+        add(entry.resolve({{std::string(info.key), value}}));
       } catch (const Error&) {
         // A value that needs another parameter to go with it is for the technique's own tests.
       }
     }
   }
   for (const std::string_view technique : kTogether) {
-    if (technique.substr(0, technique.find(':')) == entry.name) out.push_back(parse_technique(technique).params);
+    if (technique.substr(0, technique.find(':')) != entry.name) continue;
+    for (const std::string& one : spelt_out(entry, technique)) add(parse_technique(one).params);
   }
   return out;
 }
