@@ -29,18 +29,24 @@ constexpr std::array kMetrics{
     Metric{Table::builds, "empty_leaves", exact, "leaves without a primitive"},
     Metric{Table::builds, "references", exact, "primitive references over all leaves"},
     Metric{Table::builds, "max_depth", exact, "of the deepest leaf, the root being 0 (the structure's; the cell's is among the key columns)"},
-    Metric{Table::builds, "sah_cost", lower, "expected tests of a random line that meets the root, traversal and intersection costing 1"},
+    Metric{Table::builds, "sah_cost", lower,
+           "of a random line that meets the root, by the volumes in use: half for each volume tested under a node (1 for two), 1 a primitive; list: all "
+           "primitives"},
     Metric{Table::builds, "epo", lower,
-           "end-point overlap: what the nodes cost whose boxes hold a point of a surface without its primitive, over all surfaces"},
+           "end-point overlap: what the nodes cost (as in sah_cost) whose boxes, whatever the volume in use, hold a surface's point without its primitive, on "
+           "average"},
     Metric{Table::builds, "mem_bytes", lower, "of the structure alone"},
     Metric{Table::builds, "bytes_per_prim", lower, "of the structure and the scene together, per primitive"},
     Metric{Table::builds, "break_even_rays", lower,
-           "rays after which the build has paid off against the list in the same setting; always or never where there is no such number"},
+
+           "rays from which on building and tracing cost less in all than with list:volume=none in the same setting; always or never where there is no such "
+           "number"},
     Metric{Table::builds, "scene_bytes", lower, "of the scene alone"},
-    Metric{Table::builds, "sibling_distance", lower, "mean distance of a node's children from their common centre, relative to the scene's diagonal"},
-    Metric{Table::builds, "node_volume", lower, "mean volume of a node, relative to the root's"},
-    Metric{Table::builds, "total_volume", lower, "volume of all nodes, relative to the root's"},
-    Metric{Table::builds, "cost_depth", neither, "mean depth of the SAH cost: what nodes near the root cost matters to more rays"},
+    Metric{Table::builds, "sibling_distance", lower,
+           "mean distance of children's boxes' centres, whatever the volume in use, from their common centre, relative to the scene's diagonal"},
+    Metric{Table::builds, "node_volume", lower, "mean over all nodes of what their volumes in use enclose, relative to the root's"},
+    Metric{Table::builds, "total_volume", lower, "the same, the sum"},
+    Metric{Table::builds, "cost_depth", neither, "mean depth of the SAH cost, by the volumes in use: what nodes near the root cost matters to more rays"},
     Metric{Table::builds, "cost_depth_p90", neither, "depth down to which nine tenths of the SAH cost lie"},
     Metric{Table::builds, "epo_se", neither, "standard error of epo; 0 where no surface had to be sampled"},
     Metric{Table::builds, "volume_area", lower, "surface area of all bounding volumes together: of nodes, or of what a list puts one around"},
@@ -121,12 +127,15 @@ constexpr std::array kMetrics{
     Metric{Table::summary, "ratio_hi", neither, "upper end"},
     Metric{Table::summary, "hit_mismatch", exact, "rays whose hit, or pixels whose colour, differ from the reference technique's or from the oracle"},
     Metric{Table::summary, "status", neither, "ok, wrong, skipped, timeout, failed or unfinished"},
+
+    Metric{Table::break_even, "against", neither, "cell_id of another technique in the same scene, rays and setting"},
+    Metric{Table::break_even, "break_even_rays", lower, "as in builds, against that one"},
 };
 
 }  // namespace
 
 std::string_view name(Table table) noexcept {
-  constexpr std::array<std::string_view, 6> names{"samples", "builds", "counters", "accuracy", "frames", "summary"};
+  constexpr std::array<std::string_view, 7> names{"samples", "builds", "counters", "accuracy", "frames", "summary", "break_even"};
   return names[static_cast<std::size_t>(table)];
 }
 
@@ -139,7 +148,7 @@ std::span<const Metric> metrics() noexcept { return kMetrics; }
 std::span<const std::string_view> key_columns() noexcept { return kKeyColumns; }
 
 std::vector<std::string_view> columns(Table table) {
-  std::vector<std::string_view> names(kKeyColumns.begin(), kKeyColumns.end());
+  std::vector<std::string_view> names(kKeyColumns.begin(), table == Table::break_even ? kKeyColumns.begin() + 1 : kKeyColumns.end());
   for (const Metric& metric : kMetrics) {
     if (metric.table == table) names.push_back(metric.name);
   }

@@ -8,7 +8,7 @@
 namespace raymeter {
 
 /// The derived tables; each is a CSV file of a results folder.
-enum class Table : unsigned char { samples, builds, counters, accuracy, frames, summary };
+enum class Table : unsigned char { samples, builds, counters, accuracy, frames, summary, break_even };
 [[nodiscard]] std::string_view name(Table table) noexcept;
 
 /// Which direction is good; `exact` values must not change at all.
@@ -25,7 +25,7 @@ struct Metric {
 
 /// Every column of every table, in the tables' order, without the key columns.
 [[nodiscard]] std::span<const Metric> metrics() noexcept;
-/// The columns that say which cell of the matrix a row is about; every table begins with them.
+/// The columns that say which cell of the matrix a row is about; every table but break_even begins with them.
 [[nodiscard]] std::span<const std::string_view> key_columns() noexcept;
 [[nodiscard]] std::vector<std::string_view> columns(Table table);
 

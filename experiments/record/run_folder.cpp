@@ -26,8 +26,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 const fs::path kResults = "results";
-constexpr const char* kRunFiles[]{"manifest.json", "environment.json", "samples.jsonl", "plan.jsonl", "summary.csv",   "samples.csv",
-                                  "builds.csv",    "counters.csv",     "accuracy.csv",  "frames.csv", "benchmark.json"};
+constexpr const char* kRunFiles[]{"manifest.json", "environment.json", "samples.jsonl", "plan.jsonl", "summary.csv",    "samples.csv",
+                                  "builds.csv",    "counters.csv",     "accuracy.csv",  "frames.csv", "break_even.csv", "benchmark.json"};
 
 Json plan_line(const Experiment& cell) {
   Json json{{"cell", cell.id}};

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <tuple>
 
 #include <fmt/format.h>
 
 #include "experiments/atomic_file.h"
 #include "experiments/config/expand.h"
+#include "experiments/record/break_even.h"
 #include "experiments/record/google_benchmark.h"
 #include "experiments/record/metrics.h"
 #include "experiments/record/statistics.h"
@@ -45,32 +45,6 @@ Row key_fields(const Source& source, const Experiment& e, std::string_view phase
           std::to_string(simd_width(e.isa)),
           std::to_string(e.packet),
           check != nullptr ? std::to_string(check->threads) : threads_text(e.threads)};
-}
-
-/// Rays after which a build has paid off against another structure: n = (B1 - B2) / (c2 - c1) with build times B and times per ray c.
-std::string break_even(double build_ms, double ns_per_ray, double other_build_ms, double other_ns_per_ray) {
-  if (!(ns_per_ray < other_ns_per_ray)) return "never";
-  if (build_ms <= other_build_ms) return "always";
-  return number(std::ceil((build_ms - other_build_ms) * 1e6 / (other_ns_per_ray - ns_per_ray)));
-}
-
-/// The list in the cell's scene, rays and setting; null where the run has none, or the cell is one itself.
-const Experiment* list_beside(const Source& source, const Experiment& cell) {
-  if (cell.structure->name == "list") return nullptr;
-  const auto key = [](const Experiment& e) {
-    return std::tie(e.scene.name, e.rays.name, e.isa, e.packet, e.threads, e.first_hit, e.occlusion, e.max_depth, e.min_weight);
-  };
-  const auto found =
-      std::find_if(source.cells.begin(), source.cells.end(), [&](const Experiment& e) { return e.structure->name == "list" && key(e) == key(cell); });
-  return found == source.cells.end() ? nullptr : &*found;
-}
-
-std::string break_even_with_list(const Source& source, const Experiment& cell) {
-  const Experiment* const list = list_beside(source, cell);
-  if (list == nullptr || source.build(*list) == nullptr) return {};
-  const std::vector<double> times = ns_per_ray(source.records, cell.id), list_times = ns_per_ray(source.records, list->id);
-  if (times.empty() || list_times.empty()) return {};
-  return break_even(source.build(cell)->build_ms, median(times), source.build(*list)->build_ms, median(list_times));
 }
 
 /// What a table tells of separately in a cell.
@@ -123,7 +97,7 @@ void add_build_rows(const Source& source, const Experiment& cell, const RowPhase
        number(s.epo),
        number(static_cast<std::int64_t>(s.mem_bytes)),
        prims > 0 ? number((static_cast<double>(s.mem_bytes) + scene_bytes) / prims) : "",
-       break_even_with_list(source, cell),
+       break_even_with_list(source.cells, cell, source.records),
        number(static_cast<std::int64_t>(scene->scene_bytes)),
        number(s.sibling_distance),
        number(s.node_volume),
@@ -174,6 +148,7 @@ void write_tables(const std::filesystem::path& folder, const Config& config, con
   write_table(folder, Table::accuracy, source, add_accuracy_rows);
   write_table(folder, Table::frames, source, add_frame_rows);
   write_table(folder, Table::summary, source, add_summary_rows);
+  write_break_even(folder, cells, records);
   AtomicFile file((folder / "benchmark.json").string());
   file.write(google_benchmark_json(cells, records));
   file.commit();

@@ -1,26 +1,19 @@
 """After how many rays one technique has made good what it costs more to build than another."""
 
-import math
 from collections import defaultdict
 from collections.abc import Sequence
 
-from .cells import Cell, at_setting, describe_setting, finite, main_setting, rays_of, scenes_of, techniques_of
+from .cells import Cell, at_setting, describe_setting, main_setting, rays_of, scenes_of, techniques_of
 from .numbers import significant
 from .table import Column, Field, Table, number_field
 
 
 def break_even(cell: Cell, other: Cell) -> Field:
-    """Where `cell` costs less in all, build and rays together: n = (B1 - B2) / (c2 - c1) with build times B and times per ray c."""
-    build, other_build = finite(cell.build.get("build_ms")), finite(other.build.get("build_ms"))
-    time, other_time = cell.number("median_ns_per_ray"), other.number("median_ns_per_ray")
-    if cell is other or build is None or other_build is None or time is None or other_time is None:
-        return Field("")
-    if build <= other_build and time <= other_time and (build, time) != (other_build, other_time):
-        return Field("always")
-    if build >= other_build and time >= other_time:
-        return Field("never")
-    rays = math.ceil((build - other_build) * 1e6 / (other_time - time))
-    return Field(f"{'from' if time < other_time else 'up to'} {significant(float(rays))}", float(rays))
+    """As the run's break_even.csv has it."""
+    text = cell.break_even.get(str(other.summary["cell_id"]), "")
+    if text in ("", "always", "never"):
+        return Field(text)
+    return Field(significant(float(text)), float(text))
 
 
 def break_even_table(cells: Sequence[Cell]) -> Table:
@@ -48,8 +41,8 @@ def break_even_table(cells: Sequence[Cell]) -> Table:
                     Field(scene), Field(rays), Field(name), number_field(cell.build.get("build_ms")), number_field(cell.summary["median_ns_per_ray"]), *fields
                 ])
     caption = (
-        "The number of rays from which on, or up to which, a technique costs less than another, build and rays together: n = (B1 − B2) / (c2 − c1) with build "
-        "times B and times per ray c. “always”: it neither builds nor traces slower; “never”: neither faster. "
+        "The number of rays from which on a technique costs less than another, build and rays together: n = (B1 − B2) / (c2 − c1) with build times B and times "
+        "per ray c. “always”: its build takes no longer and it traces no slower; “never”: what its build takes longer is not made good. "
         f"At {describe_setting(setting)}." if rows else ""
     )
     return Table("break-even", caption, columns, rows, 2)

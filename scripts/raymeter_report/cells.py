@@ -31,6 +31,7 @@ class Cell:
     frame: Record = field(default_factory=dict)  # of images: rays by kind, depths
     phases: dict[str, Record] = field(default_factory=dict)  # of images: the summary of each phase
     shadow: Record = field(default_factory=dict)  # what was counted over shadow rays alone
+    break_even: dict[str, str] = field(default_factory=dict)
     label: str = ""
     rays: str = ""
 
@@ -82,7 +83,7 @@ def load_cells(runs: Sequence[Run]) -> list[Cell]:
         for summary in whole(run.tables["summary"]):
             key = summary["cell_id"]
             build, counters, accuracy, frame = (joined[kind].get(key, {}) for kind in kinds)
-            cells.append(Cell(run.name, summary, build, counters, accuracy, frame, phases.get(key, {}), shadow.get(key, {})))
+            cells.append(Cell(run.name, summary, build, counters, accuracy, frame, phases.get(key, {}), shadow.get(key, {}), run.break_even.get(str(key), {})))
     _label(cells)
     return cells
 

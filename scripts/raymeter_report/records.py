@@ -56,6 +56,7 @@ class Run:
     environment: dict[str, Any] = field(default_factory=dict)
     reasons: dict[str, str] = field(default_factory=dict)
     tables: dict[str, list[Record]] = field(default_factory=dict)
+    break_even: dict[str, dict[str, str]] = field(default_factory=dict)
     missing_files: list[str] = field(default_factory=list)
     images: list[Path] = field(default_factory=list)
 
@@ -154,6 +155,18 @@ def _read_reasons(path: Path) -> dict[str, str]:
     return reasons
 
 
+def _read_break_even(path: Path) -> dict[str, dict[str, str]]:
+    """Per cell the rays, or the word, against each other cell, up to the first broken line."""
+    pairs: dict[str, dict[str, str]] = {}
+    if path.is_file():
+        with path.open(newline="", encoding="utf-8", errors="replace") as lines:
+            for row in list(csv.reader(lines))[1:]:
+                if len(row) != 3:
+                    break
+                pairs.setdefault(row[0], {})[row[1]] = row[2]
+    return pairs
+
+
 def read_run(folder: Path) -> Run:
     """Reads a results folder; raises ReportError when `folder` is none or when a table lacks a column."""
     if not folder.is_dir():
@@ -177,6 +190,7 @@ def read_run(folder: Path) -> Run:
         environment=_read_json(folder / "environment.json"),
         reasons=_read_reasons(folder / "samples.jsonl"),
         tables=tables,
+        break_even=_read_break_even(folder / "break_even.csv"),
         missing_files=missing_files,
         images=sorted((folder / "images").glob("*.png")),
     )

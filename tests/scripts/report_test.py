@@ -19,7 +19,7 @@ from raymeter_report import glossary, numbers, records
 from report_support import Page, TemporaryFolder, run_cli
 
 
-SECTIONS = "overview best problems left-out techniques results plots counters builds accuracy images reproduce configuration environment glossary".split()
+SECTIONS = "overview best problems left-out techniques results plots counters builds break-even accuracy images reproduce configuration environment glossary".split()
 PLOTS = "tests_per_ray node_visits_per_ray mrays_per_s tests_vs_time build run_order".split()
 # A 1 x 1 PNG.
 PIXEL = bytes.fromhex(
@@ -112,6 +112,10 @@ class FullReport(unittest.TestCase):
         row = self.row("table-counters", "spd:tetra:6", "primary", "list")
         self.assertIn("4096", row)  # the list tests every primitive
         self.assertEqual(row[3], f"262{numbers.THIN_SPACE}144")
+
+    def test_break_even_is_the_runs_own(self) -> None:
+        self.assertEqual(self.row("table-break-even", "spd:balls:4", "primary", "list")[-3:], ["", "never", "51\u202f200"])
+        self.assertEqual(self.row("table-break-even", "spd:balls:4", "primary", "grid")[-3:], ["51\u202f200", "always", ""])
 
     def test_failed_cell_is_listed_without_timing(self) -> None:
         problem = self.row("table-problems", "spd:gears:4", "diffuse", "grid")

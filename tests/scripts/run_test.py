@@ -35,13 +35,14 @@ class RunTest(RunInFolder):
         for table, columns in COLUMNS.items():
             header = (folder / f"{table}.csv").read_text().splitlines()[0]
             self.assertEqual(header, KEY + "," + columns, table)
+        self.assertEqual((folder / "break_even.csv").read_text().splitlines()[0], "cell_id,against,break_even_rays")
         for name in ("manifest.json", "environment.json", "benchmark.json"):
             json.loads((folder / name).read_text())
         for name in ("samples.jsonl", "plan.jsonl"):
             for line in (folder / name).read_text().splitlines():
                 json.loads(line)
         self.assertEqual(sorted(path.name for path in folder.iterdir()),
-                         sorted(["manifest.json", "environment.json", "samples.jsonl", "plan.jsonl", "benchmark.json"] + [f"{t}.csv" for t in COLUMNS]))
+                         sorted(["manifest.json", "environment.json", "samples.jsonl", "plan.jsonl", "benchmark.json"] + [f"{t}.csv" for t in [*COLUMNS, "break_even"]]))
 
     def test_measures_every_cell(self) -> None:
         result = self.raymeter("run", self.write(config()), "--out", "r", "--progress", "none")

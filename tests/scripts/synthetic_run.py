@@ -89,6 +89,13 @@ def write_run(
             writer.writerow(KEY_COLUMNS + FILE_COLUMNS[kind])
             for row in tables[kind]:
                 writer.writerow([row.get(column, "") for column in KEY_COLUMNS + extra])
+    with (folder / "break_even.csv").open("w", encoding="utf-8") as file:
+        file.write("cell_id,against,break_even_rays\n")
+        timed = [row for row in tables["summary"] if row["status"] == "ok"]
+        for row, other in ((row, other) for row in timed for other in timed if row is not other):
+            if all(row[column] == other[column] for column in ("scene", "rays", "isa", "packet", "threads")):
+                words = {("list", "bvh"): "never", ("grid", "bvh"): "always"}
+                file.write(f"{row['cell_id']},{other['cell_id']},{words.get((row['structure'], other['structure']), 51234)}\n")
     skipped = [row["cell_id"] for row in tables["summary"] if row["status"] == "skipped"]
     log = [{"type": "check", "cell": cell_id.split("-")[0], "status": "skipped", "reason": "the CPU lacks avx512"} for cell_id in skipped]
     (folder / "samples.jsonl").write_text("".join(json.dumps(one) + "\n" for one in log), encoding="utf-8")
