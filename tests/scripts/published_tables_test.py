@@ -8,7 +8,7 @@ from pathlib import Path
 
 SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "published_tables"
 COUNTERS = """cell_id,scene,structure,params,ray_count,rays_hit,prim_tests,node_visits,leaf_visits,empty_leaf_visits
-1,spd:balls:4,octree,"max_depth=4,tracking=parametric",100,50,1000,700,400,100
+1,spd:balls:4,octree,"max_depth=4,growth=3e-04,tracking=parametric",100,50,1000,700,400,100
 """
 BUILDS = """cell_id,interior_nodes,leaves,empty_leaves,references
 1,10,71,30,500
@@ -28,7 +28,7 @@ class PublishedTables(unittest.TestCase):
         return done.stdout if code == 0 else done.stderr
 
     def row(self, counting: str, symbol: str, value: str) -> str:
-        return f"some octree,spd:balls:4,octree,max_depth=4,{counting},{symbol},{value}\n"
+        return f"some octree,spd:balls:4,octree,max_depth=4;growth=0.0003,{counting},{symbol},{value}\n"
 
     def test_counts_are_given_per_ray(self) -> None:
         self.assertIn("| spd:balls:4 | 500 / 500 (+0.0 %) | 10.00 / 10.00 (+0.0 %) |", self.table(self.row("", "N_OIV", "500") + self.row("", "N_IT", "10")))
