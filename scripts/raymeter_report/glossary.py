@@ -63,7 +63,9 @@ GLOSSARY: dict[str, list[Term]] = {
         Term("r_ITM", "", "Ray-primitive tests divided by the least number needed (one for each ray that hits): prim_tests / rays that hit.", "r_ITM", False),
     ],
     "frames.csv": [
-        Term("rays_traced", "rays", "Rays of one frame; by kind: primary, reflection, refraction, shadow, and those of them that hit or are blocked."),
+        Term("rays_traced", "rays", "Rays of one frame; of samples.csv, of a pass."),
+        Term("primary, reflection, refraction, shadow", "rays", "Those of a frame by kind."),
+        Term("primary_hit, reflection_hit, refraction_hit, shadow_blocked", "rays", "Those of them that hit, or are blocked."),
         Term("tir", "", "Refractions that are totally reflected: the reflection ray carries their share."),
         Term("rays_saved", "rays", "Rays that the image has more which is cut nowhere (min_weight 0, same max_depth)."),
         Term("mean_depth", "", "Mean over the eye rays of the deepest ray that comes of each; an eye ray has depth 1."),
