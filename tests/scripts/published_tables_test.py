@@ -28,7 +28,7 @@ class PublishedTables(unittest.TestCase):
         return done.stdout if code == 0 else done.stderr
 
     def row(self, counting: str, symbol: str, value: str) -> str:
-        return f"some octree,spd:balls:4,octree,max_depth=4;growth=0.0003,{counting},{symbol},{value}\n"
+        return f"some octree,spd:balls:4,octree,max_depth=4,{counting},{symbol},{value}\n"
 
     def test_counts_are_given_per_ray(self) -> None:
         self.assertIn("| spd:balls:4 | 500 / 500 (+0.0 %) | 10.00 / 10.00 (+0.0 %) |", self.table(self.row("", "N_OIV", "500") + self.row("", "N_IT", "10")))
@@ -54,6 +54,10 @@ class PublishedTables(unittest.TestCase):
 
     def test_an_unknown_symbol_is_an_error(self) -> None:
         self.assertIn("unknown symbol 'N_XY'", self.table(self.row("", "N_XY", "5"), code=2))
+
+    def test_numbers_are_equal_however_they_are_written(self) -> None:
+        self.assertIn("10.00 / 10.00", self.table("some octree,spd:balls:4,octree,growth=0.0003,,N_IT,10\n"))
+        self.assertIn("not measured", self.table("some octree,spd:balls:4,octree,growth=0.0004,,N_IT,10\n"))
 
     def test_what_was_not_measured_is_said(self) -> None:
         self.assertIn("not measured", self.table("some octree,spd:gears:4,octree,max_depth=4,,N_IT,5\n"))
