@@ -2,9 +2,9 @@
 
 // The beam of a packet: what bounds all its rays at once, so that one test decides for all of them.
 //
-// Along one axis k on which all live rays go the same way, ray j is the line x(c), c the coordinate along k. The lines through the least (greatest) x of all rays
-// at the first and at the last plane that matter bound every ray between these planes, and need no corner rays (after Reshetov, Soupikov, Hurley 2005, who bound
-// slopes at one plane; two planes keep the beam of rays that converge, as shadow rays do, slim).
+// Along one axis k on which all live rays go the same way, ray j is the line x(c), c the coordinate along k. The lines through the least (greatest) x of all
+// rays at the first and at the last plane that matter bound every ray between these planes, and need no corner rays (after Reshetov, Soupikov, Hurley 2005, who
+// bound slopes at one plane; two planes keep the beam of rays that converge, as shadow rays do, slim).
 //
 // Conservative: with m the largest coordinate in play, a hit that a kernel accepts lies within e = kPrimitiveError (|P - org| + extent) <= 64 u m of its
 // primitive's box, and that far from its ray along k too, where the ray moves by e times its slope. The planes are moved apart and the lines outwards by
@@ -29,14 +29,14 @@ struct BeamLine {
 
 /// c is the plain coordinate along `axis`, whichever way the rays go.
 struct Beam {
-  int axis = -1;       ///< k; -1: the rays have no beam in common
-  int across[2];       ///< the other two axes
-  float sign;          ///< of the rays' direction along k
-  float begin, end;    ///< planes between which hits can lie, times `sign`
+  int axis = -1;     ///< k; -1: the rays have no beam in common
+  int across[2];     ///< the other two axes
+  float sign;        ///< of the rays' direction along k
+  float begin, end;  ///< planes between which hits can lie, times `sign`
   float padding;
   bool slim = false;
-  BeamLine low[2];     ///< below all rays, by `across`
-  BeamLine high[2];    ///< above all rays
+  BeamLine low[2];   ///< below all rays, by `across`
+  BeamLine high[2];  ///< above all rays
   /// The row of a node's planes that rays meet first (last) along the axis.
   [[nodiscard]] int first_row() const noexcept { return sign > 0 ? axis : axis + 3; }
   [[nodiscard]] int last_row() const noexcept { return sign > 0 ? axis + 3 : axis; }

@@ -16,8 +16,8 @@ struct CellRectangle {
   [[nodiscard]] std::int64_t size() const noexcept { return std::int64_t{edge[1] - edge[0] + 1} * (edge[3] - edge[2] + 1); }
 };
 
-/// A packet's beams and their rectangles of cells. Each beam has four lines: below and above its rays on the one axis across, then on the other. They stand in the
-/// lanes of registers, pointing outwards: a point (x, c) is outside where side x > slope c + at_zero.
+/// A packet's beams and their rectangles of cells. Each beam has four lines: below and above its rays on the one axis across, then on the other. They stand in
+/// the lanes of registers, pointing outwards: a point (x, c) is outside where side x > slope c + at_zero.
 template <class L, int kGroups>
 struct SliceBeams {
   static constexpr int kLines = 4 * kSliceBeams;
@@ -26,8 +26,8 @@ struct SliceBeams {
   Beam beam[kSliceBeams];
   float farthest[kSliceBeams];  ///< farthest_plane() of each
   int count = 0;
-  std::uint32_t alive = 0;  ///< beams that may still meet something, as bits
-  int axis[3] = {};         ///< the two axes across, and the one along the beams
+  std::uint32_t alive = 0;   ///< beams that may still meet something, as bits
+  int axis[3] = {};          ///< the two axes across, and the one along the beams
   float begin = 0, end = 0;  ///< coordinates between which hits can lie, the lesser first
   float sign = 1;            ///< of the rays' directions along the axis
   alignas(64) float at_zero[kLines];

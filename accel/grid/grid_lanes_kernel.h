@@ -8,15 +8,15 @@
 
 namespace raymeter {
 
-/// A mailbox that needs no memory. A list holds the primitives whose boxes touch the cell; the cells that a box touches form a box, and a ray's steps on an axis
-/// all have one direction, so a ray is in them once, from the first to the last without a gap. A primitive that the cell left by the last step lists too was
-/// tested there or earlier; one that it does not list was not. The builder keeps with each reference which neighbours list the same primitive.
+/// A mailbox that needs no memory. A list holds the primitives whose boxes touch the cell; the cells that a box touches form a box, and a ray's steps on an
+/// axis all have one direction, so a ray is in them once, from the first to the last without a gap. A primitive that the cell left by the last step lists too
+/// was tested there or earlier; one that it does not list was not. The builder keeps with each reference which neighbours list the same primitive.
 template <class L>
 struct GridRefs {
   static constexpr bool kSelective = true;
   const std::uint32_t* list;
   const GridWalk<L>* walk;  // [group]
-  std::uint32_t mailbox;  ///< neighbour bits to look at: all, or none to test whatever a cell lists
+  std::uint32_t mailbox;    ///< neighbour bits to look at: all, or none to test whatever a cell lists
 
   [[nodiscard]] std::int32_t index(std::int32_t k) const noexcept { return static_cast<std::int32_t>(list[k] & GridRef::kIndexMask); }
   [[nodiscard]] typename L::Mask wanted(typename L::Mask lanes, int group, std::int32_t k) const noexcept {
@@ -84,7 +84,8 @@ inline void visit_cells(const GridView& grid, Packet<L, kGroups>& packet, const 
 /// Tests rays that the grid does not serve against everything.
 template <Query Q, class L, int kGroups, class Stats>
 inline void test_everything(const GridView& grid, Packet<L, kGroups>& packet, const typename L::Mask* lanes, Stats stats) noexcept {
-  for (std::int32_t k = 0; k < grid.kind_count; ++k) test_refs<Q, L, kGroups>(packet, lanes, grid.pools, grid.kind[k], grid.prim_count[k], PositionRefs{0}, stats);
+  for (std::int32_t k = 0; k < grid.kind_count; ++k)
+    test_refs<Q, L, kGroups>(packet, lanes, grid.pools, grid.kind[k], grid.prim_count[k], PositionRefs{0}, stats);
 }
 
 template <Query Q, class L, int kGroups, class Stats>

@@ -2,19 +2,20 @@
 
 // Coherent traversal of a uniform grid (Wald, Ize, Kensler, Knoll, Parker 2006): a packet goes through the grid slice by slice along the axis that its rays
 // advance along the most. In each slice it visits the rectangle of cells that its beams of sixteen rays cover; a primitive that these cells list is tested
-// against the beams that do not pass beside it. Departures from the paper: beams instead of corner rays (beam_kernel.h), several to a packet, all of them tested
-// against a primitive at once; the mailbox needs no memory.
+// against the beams that do not pass beside it. Departures from the paper: beams instead of corner rays (beam_kernel.h), several to a packet, all of them
+// tested against a primitive at once; the mailbox needs no memory.
 //
-// Why no hit is lost. A hit's point P lies inside its ray's beam with the beam's whole padding to spare, and the primitive's padded box within the grid's margin of P
-// (grid_walk_kernel.h, 3): the list of the cell that holds P, in exact arithmetic, names the primitive. A beam's rectangle is computed with an error of at
-// most 16 u m (m as in beam_kernel.h: two roundings of a coordinate each for the lines, the difference, the reciprocal and the planes), a fifth of the padding, so it
-// holds that cell. A packet leaves a slice only when no hit of its rays can lie beyond it.
+// Why no hit is lost. A hit's point P lies inside its ray's beam with the beam's whole padding to spare, and the primitive's padded box within the grid's
+// margin of P (grid_walk_kernel.h, 3): the list of the cell that holds P, in exact arithmetic, names the primitive. A beam's rectangle is computed with an
+// error of at most 16 u m (m as in beam_kernel.h: two roundings of a coordinate each for the lines, the difference, the reciprocal and the planes), a fifth of
+// the padding, so it holds that cell. A packet leaves a slice only when no hit of its rays can lie beyond it.
 //
-// Mailbox. The cells that list a primitive form a box. A primitive that a neighbour lists too was met there if that neighbour was visited before: in this slice, if
-// the rectangle holds it, or in the last one, where that of the last slice holds it or lies beside it. Only where rectangles move by more than a cell from slice to
-// slice past a large primitive is it tested again.
+// Mailbox. The cells that list a primitive form a box. A primitive that a neighbour lists too was met there if that neighbour was visited before: in this
+// slice, if the rectangle holds it, or in the last one, where that of the last slice holds it or lies beside it. Only where rectangles move by more than a cell
+// from slice to slice past a large primitive is it tested again.
 //
-// Steps are bounded: there are as many slices as the axis has cells, and a packet whose beams cover many cells at once goes by lanes instead, as does a lone ray.
+// Steps are bounded: there are as many slices as the axis has cells, and a packet whose beams cover many cells at once goes by lanes instead, as does a lone
+// ray.
 //
 // Events: node_visit for the cells of each beam's own rectangle, once per register of its rays; leaf_visit and empty_leaf_visit for the same.
 

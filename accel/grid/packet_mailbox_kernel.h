@@ -5,8 +5,8 @@
 
 namespace raymeter {
 
-/// Remembers which rays of a packet have been tested against which primitives: the last primitive for each of its entries. One that was driven out may be tested
-/// again, which costs time but changes nothing.
+/// Remembers which rays of a packet have been tested against which primitives: the last primitive for each of its entries. One that was driven out may be
+/// tested again, which costs time but changes nothing.
 class PacketMailbox {
 public:
   static constexpr std::size_t kBytes = 256 * 16;

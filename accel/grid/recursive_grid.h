@@ -29,12 +29,26 @@ struct RecursiveGridParams {
         Field{"levels", &RecursiveGridParams::levels, "grids inside each other: 1 is a uniform grid, 2 a two-level grid", 1, kMaxGridLevels},
         Field{"max_leaf_size", &RecursiveGridParams::max_leaf_size, "a cell with more primitives becomes a grid", 1, 1000000},
         Field{"max_resolution", &RecursiveGridParams::max_resolution, "cells on an axis of a grid at most", 1, 65535},
-        Field{"touching", &RecursiveGridParams::touching,
-              "boxes that are listed on both sides of a plane which they touch: those that begin there, that end there, or all", 0, 0, {"begin", "end", "all"}},
-        Field{"mailbox", &RecursiveGridParams::mailbox, "remember what rays were tested against, so that hardly any primitive is tested twice", 0, 0, {},
+        Field{"touching",
+              &RecursiveGridParams::touching,
+              "boxes that are listed on both sides of a plane which they touch: those that begin there, that end there, or all",
+              0,
+              0,
+              {"begin", "end", "all"}},
+        Field{"mailbox",
+              &RecursiveGridParams::mailbox,
+              "remember what rays were tested against, so that hardly any primitive is tested twice",
+              0,
+              0,
+              {},
               ParamUse::query},
-        Field{"start", &RecursiveGridParams::start, "where a ray begins to walk: at its t_min, or at its origin as programs do that only leave out near hits", 0, 0,
-              {"t_min", "origin"}, ParamUse::query},
+        Field{"start",
+              &RecursiveGridParams::start,
+              "where a ray begins to walk: at its t_min, or at its origin as programs do that only leave out near hits",
+              0,
+              0,
+              {"t_min", "origin"},
+              ParamUse::query},
     };
   }
 };
@@ -53,9 +67,9 @@ struct RecursiveGrid {
   [[nodiscard]] RecursiveGridView view(bool mailbox, bool from_origin) const noexcept;
 };
 
-/// Builds a uniform grid and, in each cell of more than max_leaf_size primitives, another one, down to `levels` of them. The same on any number of threads (0: all).
-/// A cell stays as it is where each cell of its grid would list all that it lists; its grid is made coarser where its references would outgrow a bound on the sum
-/// of all: many primitives in one place would else fill the memory. Throws Error where the outermost grid cannot be numbered with 32 bits.
+/// Builds a uniform grid and, in each cell of more than max_leaf_size primitives, another one, down to `levels` of them. The same on any number of threads (0:
+/// all). A cell stays as it is where each cell of its grid would list all that it lists; its grid is made coarser where its references would outgrow a bound on
+/// the sum of all: many primitives in one place would else fill the memory. Throws Error where the outermost grid cannot be numbered with 32 bits.
 [[nodiscard]] RecursiveGrid build_nested_grids(const Scene& scene, const RecursiveGridParams& params, int threads);
 
 [[nodiscard]] std::unique_ptr<Structure> build_recursive_grid(const Scene& scene, const ParamValues& values, int threads);

@@ -52,9 +52,8 @@ public:
     boxes_.resize(top.kinds.size());
     for (std::size_t k = 0; k < top.kinds.size(); ++k) {
       boxes_[k].resize(top.pools.size(top.kinds[k]));
-      for_each_index(boxes_[k].size(), [&](std::size_t i) {
-        boxes_[k][i] = padded_bounds(scene.pools(), scene.prim(top.pools.prim_id(prim_ref(top.kinds[k], i))));
-      });
+      for_each_index(boxes_[k].size(),
+                     [&](std::size_t i) { boxes_[k][i] = padded_bounds(scene.pools(), scene.prim(top.pools.prim_id(prim_ref(top.kinds[k], i)))); });
       prims_ += static_cast<double>(boxes_[k].size());
     }
   }
@@ -205,7 +204,8 @@ void join(const std::vector<Part>& parts, std::size_t kinds, RecursiveGrid& out)
   for (const Part& part : parts) {
     const auto moved = [&](CellLink link) {
       if (link.is_empty()) return link;
-      return link.is_grid() ? CellLink::to_grid(link.grid() + static_cast<std::int32_t>(grids)) : CellLink::to_list(link.list() + static_cast<std::int32_t>(lists));
+      return link.is_grid() ? CellLink::to_grid(link.grid() + static_cast<std::int32_t>(grids))
+                            : CellLink::to_list(link.list() + static_cast<std::int32_t>(lists));
     };
     for (const CellLink link : part.top) out.cells.push_back(moved(link));
     grids += static_cast<std::int64_t>(part.grids.size());
@@ -254,7 +254,8 @@ RecursiveGrid build_nested_grids(const Scene& scene, const RecursiveGridParams& 
     const auto cells = static_cast<std::size_t>(top.cell_count());
     const NestedBuilder builder(scene, top, params);
     std::vector<Part> parts((cells + kCellsPerPart - 1) / kCellsPerPart);
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) { parts[p] = builder.build(p * kCellsPerPart, std::min(cells, (p + 1) * kCellsPerPart)); });
+    tbb::parallel_for(std::size_t{0}, parts.size(),
+                      [&](std::size_t p) { parts[p] = builder.build(p * kCellsPerPart, std::min(cells, (p + 1) * kCellsPerPart)); });
     join(parts, top.kinds.size(), out);
     out.pools = std::move(top.pools);
     return out;

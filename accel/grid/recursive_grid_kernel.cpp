@@ -1,11 +1,12 @@
-// Traversal of grids in cells of grids (Jevans, Wyvill 1989). Rays walk as through a uniform grid (grid_walk_kernel.h); those of a packet that stand in the same cell
-// go through the grid that it holds together, and wait for each other at its end. Memory: a link per cell, lists only for cells that hold any primitive.
+// Traversal of grids in cells of grids (Jevans, Wyvill 1989). Rays walk as through a uniform grid (grid_walk_kernel.h); those of a packet that stand in the
+// same cell go through the grid that it holds together, and wait for each other at its end. Memory: a link per cell, lists only for cells that hold any
+// primitive.
 //
-// Events: node_visit for every grid that is entered, the outermost one by every ray, and for every elementary cell (N_TS); leaf_visit for elementary cells alone
-// (N_ETS), of them empty_leaf_visit where nothing is listed (N_EETS).
+// Events: node_visit for every grid that is entered, the outermost one by every ray, and for every elementary cell (N_TS); leaf_visit for elementary cells
+// alone (N_ETS), of them empty_leaf_visit where nothing is listed (N_EETS).
 //
-// Why no hit is lost: the head of grid_walk_kernel.h, at each level; the lists of a grid in a cell hold all that the cell's own list would, shared out by the same
-// margin. Mailbox: PacketMailbox, for the cells that list a primitive need not follow each other on a ray.
+// Why no hit is lost: the head of grid_walk_kernel.h, at each level; the lists of a grid in a cell hold all that the cell's own list would, shared out by the
+// same margin. Mailbox: PacketMailbox, for the cells that list a primitive need not follow each other on a ray.
 //
 // Steps are bounded: a level adds at most nx + ny + nz - 2 cells to each cell of the level above, and there are kMaxGridLevels levels.
 

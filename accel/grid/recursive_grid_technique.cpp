@@ -6,8 +6,8 @@
 namespace raymeter {
 
 RecursiveGridView RecursiveGrid::view(bool mailbox, bool from_origin) const noexcept {
-  RecursiveGridView view{pools.view(), frame, grids.data(), cells.data(), first.data(), refs.data(), static_cast<std::int32_t>(kinds.size()), {}, {}, mailbox,
-                         from_origin};
+  RecursiveGridView view{pools.view(), frame, grids.data(), cells.data(), first.data(), refs.data(), static_cast<std::int32_t>(kinds.size()),
+                         {},           {},    mailbox,      from_origin};
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     view.kind[k] = kinds[k];
     view.prim_count[k] = static_cast<std::int32_t>(pools.size(kinds[k]));

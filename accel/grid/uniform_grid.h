@@ -14,10 +14,10 @@ namespace raymeter {
 /// A built uniform grid: see GridView for what the columns hold.
 struct UniformGrid {
   GridFrame frame{};
-  std::array<double, 3> margin{};  ///< how far beyond a cell its list reaches on each axis, so that it holds every hit that a ray may have there
+  std::array<double, 3> margin{};       ///< how far beyond a cell its list reaches on each axis, so that it holds every hit that a ray may have there
   std::array<double, 3> finest_cell{};  ///< cells of a grid inside a cell are not to be smaller; 0 where an axis has no planes at all
-  std::vector<PrimKind> kinds;     ///< that the scene has
-  Pools pools;                     ///< the scene's primitives in the order of the first cell that lists them
+  std::vector<PrimKind> kinds;          ///< that the scene has
+  Pools pools;                          ///< the scene's primitives in the order of the first cell that lists them
   Column<std::uint32_t> occupied;
   Column<std::int32_t> first;
   Column<std::uint32_t> refs;  ///< in the scene's order within a cell and kind

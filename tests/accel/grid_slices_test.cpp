@@ -1,7 +1,7 @@
 #include <string>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include "experiments/scenes/scene_source.h"
 #include "tests/support/answer.h"
@@ -142,9 +142,7 @@ TEST(GridSlices, EndForAMillionAdversarialRaysAndAnswerAsTheList) {
   }
 }
 
-TEST(GridParams, RefusesSlicesFromTheOrigin) {
-  EXPECT_THROW((void)parse_technique("grid:traversal=slices,start=origin"), Error);
-}
+TEST(GridParams, RefusesSlicesFromTheOrigin) { EXPECT_THROW((void)parse_technique("grid:traversal=slices,start=origin"), Error); }
 
 }  // namespace
 }  // namespace raymeter

@@ -35,8 +35,8 @@ BuildStats stats_of(const Scene& scene, const std::string& technique, int thread
 TEST(RecursiveGrid, EqualsListBitForBit) {
   const Scene scene = mixed_scene(1200, 0.1);
   const RayBatch rays = random_rays(1000);
-  for (const char* technique : {"recursive_grid", "recursive_grid:levels=1", "recursive_grid:levels=2,top_density=0.01,density=8", "recursive_grid:levels=4,max_leaf_size=1",
-                                "recursive_grid:rule=customary", "recursive_grid:mailbox=off,start=origin"}) {
+  for (const char* technique : {"recursive_grid", "recursive_grid:levels=1", "recursive_grid:levels=2,top_density=0.01,density=8",
+                                "recursive_grid:levels=4,max_leaf_size=1", "recursive_grid:rule=customary", "recursive_grid:mailbox=off,start=origin"}) {
     expect_equals_list(scene, rays, technique);
   }
 }
@@ -54,8 +54,10 @@ TEST(RecursiveGrid, EqualsListOnPlanesEdgesAndCornersOfBothLevels) {
   Scene scene;  // unit cubes' corners and faces; the outermost grid has cells of 4, the inner ones of 1
   for (int i = 0; i < 600; ++i) {
     const glm::dvec3 p(static_cast<double>(random() % 8), static_cast<double>(random() % 8), static_cast<double>(random() % 8));
-    if (i % 3 == 0) scene.add_sphere(p + 0.5, 0.5);
-    else scene.add_triangle(p, p + glm::dvec3(i % 2, 1, 0), p + glm::dvec3(0, i % 2, 1));
+    if (i % 3 == 0)
+      scene.add_sphere(p + 0.5, 0.5);
+    else
+      scene.add_triangle(p, p + glm::dvec3(i % 2, 1, 0), p + glm::dvec3(0, i % 2, 1));
   }
   scene.finish();
   expect_equals_list(scene, lattice_rays(3000, 8), "recursive_grid:top_density=0.014,density=0.9,max_leaf_size=2,levels=4", {1, 16});
@@ -132,7 +134,8 @@ TEST(RecursiveGrid, FindsTheTeapotInTheStadium) {
 TEST(RecursiveGrid, RemembersWhatItTested) {
   const Scene scene = mixed_scene(2000, 0.3);
   const RayBatch rays = random_rays(1000);
-  const Counters on = answer(scene, rays, "recursive_grid", Isa::scalar, 1).closest, off = answer(scene, rays, "recursive_grid:mailbox=off", Isa::scalar, 1).closest;
+  const Counters on = answer(scene, rays, "recursive_grid", Isa::scalar, 1).closest,
+                 off = answer(scene, rays, "recursive_grid:mailbox=off", Isa::scalar, 1).closest;
   EXPECT_LT(on.live(Event::prim_test), off.live(Event::prim_test));
   EXPECT_EQ(on.live(Event::node_visit), off.live(Event::node_visit));
 }
