@@ -5,9 +5,10 @@
 // bounds, and edge functions at the corner that is furthest inside (after Pineda 1988, SIGGRAPH; conservative as in Hasselgren, Akenine-Moeller, Ohlsson 2005,
 // GPU Gems 2). So each packet gets a list of candidates, nearest first, and tests them by the ray kernels until the next begins behind all its hits.
 //
-// draw() makes a z-buffer of the same candidates: of triangles it takes the samples inside their edges, at the depth of their plane (both as padded in footprints:
-// neighbours overlap by a thousandth of a sample, so that no fill rule has to keep holes shut), of all else, and of triangles too near or too slender for that,
-// what the ray kernels find. meet() asks them about the primitive that a ray is shown. A ray that ends at its own hit, closed, has the same nearest hit.
+// draw() makes a z-buffer of the same candidates: of triangles it takes the samples inside their edges, at the depth of their plane (both as padded in
+// footprints: neighbours overlap by a thousandth of a sample, so that no fill rule has to keep holes shut), of all else, and of triangles too near or too
+// slender for that, what the ray kernels find. meet() asks them about the primitive that a ray is shown. A ray that ends at its own hit, closed, has the same
+// nearest hit.
 //
 // Events: volume_test, a register of packets' rectangles against a footprint, its lanes are packets, and in draw() samples
 // against a triangle's edges; prim_test and prim_hit as everywhere. No nodes.
