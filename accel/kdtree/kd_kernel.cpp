@@ -77,11 +77,15 @@ struct KdRefs {
   }
 };
 
+/// How a packet finds its way: rays of mixed direction signs, rays that share them, or these with bounds on the packet as a whole.
+enum class Course : std::uint8_t { mixed, uniform, frustum };
+
 /// Far children that wait, and the intervals of the rays in them: [entry][near, far][group][lane].
 template <class L, int kGroups>
 struct KdStack {
   float* rows;
   std::uint64_t* groups;  // with live rays
+  KdSpan* span;
   std::int32_t* node;
   std::int32_t row_floats;
   std::int32_t size = 0;
@@ -89,13 +93,29 @@ struct KdStack {
   KdStack(std::byte* scratch, std::int32_t capacity, std::int32_t group_count) noexcept
       : rows(reinterpret_cast<float*>(scratch)),
         groups(reinterpret_cast<std::uint64_t*>(rows + std::int64_t{2} * capacity * group_count * L::kWidth)),
-        node(reinterpret_cast<std::int32_t*>(groups + capacity)),
+        span(reinterpret_cast<KdSpan*>(groups + capacity)),
+        node(reinterpret_cast<std::int32_t*>(span + capacity)),
         row_floats(group_count * L::kWidth) {}
   [[nodiscard]] float* near_of(std::int32_t entry, int group) const noexcept {
     return rows + std::int64_t{2} * entry * (kGroups > 0 ? kGroups * L::kWidth : row_floats) + group * L::kWidth;
   }
   [[nodiscard]] float* far_of(std::int32_t entry, int group) const noexcept {
     return near_of(entry, group) + (kGroups > 0 ? kGroups * L::kWidth : row_floats);
+  }
+};
+
+/// What bounds all rays of a packet, times the sign of their directions, so that they go up.
+struct KdFrustum {
+  KdSpan span;  ///< in the node reached
+  float sign[3];
+  float near_org[3];  ///< the least
+  float far_org[3];   ///< the greatest
+  float inverse_min[3], inverse_max[3];
+
+  /// No ray passes the plane's far side later, none its near side earlier. Rounding is monotonic, so that this holds of what is computed for rays.
+  [[nodiscard]] KdSpan crossing(std::int32_t axis, float plane) const noexcept {
+    const float enter = sign[axis] * plane - far_org[axis], leave = sign[axis] * plane - near_org[axis];
+    return {enter * (enter >= 0 ? inverse_min[axis] : inverse_max[axis]), leave * (leave >= 0 ? inverse_max[axis] : inverse_min[axis])};
   }
 };
 
@@ -139,6 +159,34 @@ struct KdTravellers {
   }
 
   [[nodiscard]] typename L::Mask live(int g) const noexcept { return t_near[g] <= t_far[g]; }
+
+  /// Bounds of the packet as a whole, whose rays share their direction signs.
+  void bound(KdFrustum& frustum) const noexcept {
+    const Float none(kInfinity);
+    frustum.span = {kInfinity, -kInfinity};
+    for (int a = 0; a < 3; ++a) {
+      const bool goes_down = (order >> a & 1) != 0;
+      Float near_first = none, far_first = none, slowest = Float(0.0f), fastest = none;
+      for_each_group([&](int g) noexcept {
+        const typename L::Mask in = live(g);
+        const Float inverse = L::abs(packet.ray[g].inv_dir[a]);
+        near_first = L::min(L::select(in, goes_down ? -near_org[a][g] : near_org[a][g], none), near_first);
+        far_first = L::min(L::select(in, goes_down ? far_org[a][g] : -far_org[a][g], none), far_first);
+        slowest = L::max(L::select(in, inverse, Float(0.0f)), slowest);
+        fastest = L::min(L::select(in, inverse, none), fastest);
+      });
+      frustum.sign[a] = goes_down ? -1.0f : 1.0f;
+      frustum.near_org[a] = L::reduce_min(near_first);
+      frustum.far_org[a] = -L::reduce_min(far_first);
+      frustum.inverse_max[a] = L::reduce_max(slowest);
+      frustum.inverse_min[a] = L::reduce_min(fastest);
+    }
+    for_each_group([&](int g) noexcept {
+      const typename L::Mask in = live(g);
+      const float begin = L::reduce_min(L::select(in, t_near[g], none)), end = L::reduce_max(L::select(in, t_far[g], -none));
+      frustum.span = {begin < frustum.span.t_near ? begin : frustum.span.t_near, end > frustum.span.t_far ? end : frustum.span.t_far};
+    });
+  }
 
   /// Calls body(group) for each register with live rays.
   template <class Body>
@@ -238,19 +286,40 @@ inline void visit_leaf(const KdView& tree, const KdNode& leaf, KdTravellers<L, k
   for (std::int32_t r = leaf.first(); r < leaf.first() + leaf.count(); ++r) test(tree.runs[r].kind(), tree.runs[r].first, tree.runs[r].count());
 }
 
-template <Query Q, bool kUniform, class L, int kGroups, class Stats>
+/// The same with bounds on the packet: where they tell that no ray is in one of the children, no ray's interval changes, and none is looked at.
+template <class L, int kGroups>
+[[gnu::always_inline]] inline std::int32_t descend(const KdNode& node, KdFrustum& frustum, KdTravellers<L, kGroups>& rays, KdStack<L, kGroups>& stack) noexcept {
+  const auto axis = static_cast<std::int32_t>(node.tag());
+  const std::int32_t first = rays.order >> axis & 1;
+  const KdSpan crossing = frustum.crossing(axis, node.plane());
+  if (crossing.t_near > frustum.span.t_far) return node.first_child() + first;
+  if (crossing.t_far < frustum.span.t_near) return node.first_child() + (first ^ 1);
+  const std::int32_t waiting = stack.size;
+  const std::int32_t child = descend<true>(node, rays, stack);
+  const KdSpan second{crossing.t_near > frustum.span.t_near ? crossing.t_near : frustum.span.t_near, frustum.span.t_far};
+  if (stack.size > waiting) stack.span[waiting] = second;
+  if (child != node.first_child() + first) frustum.span = second;
+  else if (crossing.t_far < frustum.span.t_far) frustum.span.t_far = crossing.t_far;
+  return child;
+}
+
+template <Query Q, Course kCourse, class L, int kGroups, class Stats>
 void traverse(const KdView& tree, KdTravellers<L, kGroups>& rays, KdStack<L, kGroups>& stack, Stats stats) noexcept {
   KdMailbox mailbox;
   if (tree.mailbox) mailbox.clear();
+  KdFrustum frustum;
+  if constexpr (kCourse == Course::frustum) rays.bound(frustum);
   for (std::int32_t at = rays.groups != 0 ? 0 : -1; at >= 0;) {
     const KdNode& node = tree.nodes[at];
     if (!node.leaf()) {
       rays.template count_live<Event::node_visit>(stats);
-      at = descend<kUniform>(node, rays, stack);
+      if constexpr (kCourse == Course::frustum) at = descend(node, frustum, rays, stack);
+      else at = descend<kCourse == Course::uniform>(node, rays, stack);
       continue;
     }
     visit_leaf<Q>(tree, node, rays, tree.mailbox ? &mailbox : nullptr, stats);
     at = resume(rays, stack);
+    if constexpr (kCourse == Course::frustum) frustum.span = stack.span[stack.size];
   }
 }
 
@@ -260,8 +329,10 @@ void trace(const KdView& tree, const TraceArgs& args, Stats stats) noexcept {
     KdStack<L, kGroups> stack(args.scratch, tree.stack_capacity, (args.packet + L::kWidth - 1) / L::kWidth);
     for_each_packet<Q, L, kGroups>(args, [&](Packet<L, kGroups>& packet) noexcept {
       KdTravellers<L, kGroups> rays(tree, packet);
-      if (packet.shared_octant() >= 0) traverse<Q, true>(tree, rays, stack, stats);
-      else traverse<Q, false>(tree, rays, stack, stats);
+      if (packet.shared_octant() < 0) return traverse<Q, Course::mixed>(tree, rays, stack, stats);
+      // One register is looked at as quickly as bounds are.
+      if (kGroups != 1 && tree.frustum) return traverse < Q, kGroups != 1 ? Course::frustum : Course::uniform > (tree, rays, stack, stats);
+      traverse<Q, Course::uniform>(tree, rays, stack, stats);
     });
   });
 }

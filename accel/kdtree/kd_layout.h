@@ -37,13 +37,20 @@ struct KdView {
   float box[6];              ///< around all that can be hit: min x y z, max x y z
   float largest_size;        ///< of any primitive, its diameter or more
   std::int32_t stack_capacity;
+  bool frustum;
   bool mailbox;
 };
 
-/// Bytes of traversal stack: per entry both ends of a packet's intervals (whole registers of any width), the registers that are in it and a node.
+/// Where all rays of a packet are in a node, or in between.
+struct KdSpan {
+  float t_near;
+  float t_far;
+};
+
+/// Bytes of traversal stack: per entry both ends of a packet's intervals (whole registers of any width), the registers that are in it, a span and a node.
 [[nodiscard]] constexpr std::size_t kd_stack_bytes(std::int32_t capacity, std::int32_t packet) noexcept {
   const std::size_t row = static_cast<std::size_t>(packet + 15) / 16 * 16;
-  return static_cast<std::size_t>(capacity) * (2 * row * sizeof(float) + sizeof(std::uint64_t) + sizeof(std::int32_t));
+  return static_cast<std::size_t>(capacity) * (2 * row * sizeof(float) + sizeof(std::uint64_t) + sizeof(KdSpan) + sizeof(std::int32_t));
 }
 
 }  // namespace raymeter

@@ -101,7 +101,7 @@ private:
 
 }  // namespace
 
-KdView KdTree::view(bool mailbox) const noexcept {
+KdView KdTree::view(bool frustum, bool mailbox) const noexcept {
   return {pools.view(),
           nodes.data(),
           refs.data(),
@@ -109,6 +109,7 @@ KdView KdTree::view(bool mailbox) const noexcept {
           {box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z},
           largest_size,
           stack_capacity(),
+          frustum,
           mailbox};
 }
 

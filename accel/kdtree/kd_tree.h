@@ -20,7 +20,7 @@ struct KdTree {
   float largest_size = 0;
   std::int32_t depth = 0;
 
-  [[nodiscard]] KdView view(bool mailbox) const noexcept;
+  [[nodiscard]] KdView view(bool frustum, bool mailbox) const noexcept;
   [[nodiscard]] std::int32_t stack_capacity() const noexcept { return depth + 1; }
   [[nodiscard]] std::size_t mem_bytes() const noexcept;
 };

@@ -12,12 +12,13 @@ struct KdParams {
   int leaf_size = 1;
   bool clip = true;
   double reference_budget = 32;
-  bool mailbox = false;
+  std::string traversal = "frustum";
+  bool mailbox = true;
 };
 
 struct KdTreeParams : KdParams {
-  double traversal_cost = 1;
-  double intersection_cost = 1.5;
+  double traversal_cost = 1.3;
+  double intersection_cost = 1;
   double empty_bonus = 0.2;
 
   static std::vector<Param<KdTreeParams>> fields();
