@@ -1,5 +1,5 @@
-// Top-down construction. A reference is the part of a primitive in a cell, with its own box: tight, since the traversal's margins are what hits may lie outside.
-// Triangles that a plane cuts are clipped to both cells (Havran 2000: "split clipping", "perfect splits"), other kinds keep to their box.
+// Top-down construction. A reference is the part of a primitive in a cell, with its own box: tight, since the traversal's margins are what hits may lie
+// outside. Triangles that a plane cuts are clipped to both cells (Havran 2000: "split clipping", "perfect splits"), other kinds keep to their box.
 
 #include <algorithm>
 #include <cmath>
@@ -59,7 +59,8 @@ private:
     const std::size_t count = std::exchange(references, References()).size();
     Cell low{cell.box, cell.depth + 1, 0}, high = low;
     low.box.max[plane.axis] = high.box.min[plane.axis] = plane.position;
-    low.budget = both == 0 ? 0 : static_cast<std::size_t>(static_cast<double>(cell.budget) * static_cast<double>(sides.first.size()) / static_cast<double>(both));
+    low.budget =
+        both == 0 ? 0 : static_cast<std::size_t>(static_cast<double>(cell.budget) * static_cast<double>(sides.first.size()) / static_cast<double>(both));
     low.budget = std::clamp(low.budget, sides.first.size(), cell.budget - sides.second.size());
     high.budget = cell.budget - low.budget;
 
@@ -97,7 +98,8 @@ private:
     sides.first.reserve(references.size() / 2);
     sides.second.reserve(references.size() / 2);
     for (const SplitReference& reference : references) {
-      const bool below = reference.box.min[plane.axis] < plane.position, above = reference.box.max[plane.axis] > plane.position;
+      const bool below = reference.box.min[plane.axis] < plane.position;
+      const bool above = reference.box.max[plane.axis] > plane.position;
       if (below && above) {
         put_on_both(reference, plane, sides);
       } else {

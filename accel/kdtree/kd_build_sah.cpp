@@ -1,9 +1,9 @@
 // The cheapest plane of a cell by the surface area heuristic (MacDonald, Booth 1990), C = traversal_cost + intersection_cost (A_l N_l + A_r N_r) / A, times
-// 1 - empty_bonus where a side is empty (Havran 2000; Wald, Havran 2006). Planes stand where references begin or end; references that lie in the plane go to the
-// cheaper side, and a plane on the cell's own border may cut those off that lie in it.
+// 1 - empty_bonus where a side is empty (Havran 2000; Wald, Havran 2006). Planes stand where references begin or end; references that lie in the plane go to
+// the cheaper side, and a plane on the cell's own border may cut those off that lie in it.
 //
-// Few references are sorted and swept. Many are counted in bins first, which bound from below what any plane in a bin can cost; then the most promising bins are
-// swept exactly. So a node takes linear time, and a build O(n log n).
+// Few references are sorted and swept. Many are counted in bins first, which bound from below what any plane in a bin can cost; then the most promising bins
+// are swept exactly. So a node takes linear time, and a build O(n log n).
 
 #include <algorithm>
 #include <array>
@@ -19,7 +19,7 @@ namespace raymeter {
 
 namespace {
 
-constexpr std::size_t kSorted = 32;            // up to so many references are swept without bins
+constexpr std::size_t kSorted = 32;             // up to so many references are swept without bins
 constexpr std::size_t kParallelBins = 1 << 16;  // from so many on bins are filled by several tasks
 constexpr std::size_t kMostBins = 256;
 constexpr std::size_t kSweptBins = 4;
@@ -210,8 +210,10 @@ private:
     const int axis = candidate.axis;
     const float low = reference.box.min[axis], high = reference.box.max[axis];
     const bool begins = bin(low, axis) == candidate.bin, ends = bin(high, axis) == candidate.bin;
-    if (begins && low == high) events.emplace_back(low, Event::flat);
-    else if (begins) events.emplace_back(low, Event::begin);
+    if (begins && low == high)
+      events.emplace_back(low, Event::flat);
+    else if (begins)
+      events.emplace_back(low, Event::begin);
     if (ends && low != high) events.emplace_back(high, Event::end);
   }
 

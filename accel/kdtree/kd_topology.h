@@ -33,8 +33,8 @@ struct KdTopology {
   Aabb cell;  ///< of the root: the tight box of all primitives
 };
 
-/// Splits cells until `choose` finds no plane, `leaf_size` or `max_depth` (0: 8 + 1.3 log2 n) is reached, or references would exceed the budget, which is handed
-/// down in proportion to what children hold. The same on any number of threads (0: all).
+/// Splits cells until `choose` finds no plane, `leaf_size` or `max_depth` (0: 8 + 1.3 log2 n) is reached, or references would exceed the budget, which is
+/// handed down in proportion to what children hold. The same on any number of threads (0: all).
 [[nodiscard]] KdTopology build_kd_topology(const Scene& scene, const KdParams& params, const KdPlaneChoice& choose, int threads);
 
 /// The cheapest plane by the surface area heuristic: kd_build_sah.cpp.

@@ -54,7 +54,8 @@ private:
         tree_.nodes[item.to] = placed_leaf(node);
         continue;
       }
-      tree_.nodes[item.to] = {std::bit_cast<std::uint32_t>(node.position), static_cast<std::uint32_t>(next) << KdNode::kTagBits | static_cast<std::uint32_t>(node.axis)};
+      tree_.nodes[item.to] = {std::bit_cast<std::uint32_t>(node.position),
+                              static_cast<std::uint32_t>(next) << KdNode::kTagBits | static_cast<std::uint32_t>(node.axis)};
       open.push_back({static_cast<std::size_t>(node.link), next + 1, item.depth + 1});
       open.push_back({item.from + 1, next, item.depth + 1});
       next += 2;
@@ -102,15 +103,8 @@ private:
 }  // namespace
 
 KdView KdTree::view(bool frustum, bool mailbox) const noexcept {
-  return {pools.view(),
-          nodes.data(),
-          refs.data(),
-          runs.data(),
-          {box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z},
-          largest_size,
-          stack_capacity(),
-          frustum,
-          mailbox};
+  return {pools.view(), nodes.data(),     refs.data(), runs.data(), {box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z},
+          largest_size, stack_capacity(), frustum,     mailbox};
 }
 
 std::size_t KdTree::mem_bytes() const noexcept { return sizeof *this + nodes.bytes() + refs.bytes() + runs.bytes() + pools.mem_bytes(); }

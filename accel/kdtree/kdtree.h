@@ -42,11 +42,7 @@ inline constexpr StructureEntry kKdTreeEntry{"kdtree",
                                              param_infos<KdTreeParams>,
                                              resolve_params<KdTreeParams>,
                                              build_kdtree};
-inline constexpr StructureEntry kBspEntry{"bsp",
-                                          "BSP tree: cells halved on the axes in turn",
-                                          "Kaplan 1985; Sung, Shirley 1992",
-                                          param_infos<BspParams>,
-                                          resolve_params<BspParams>,
-                                          build_bsp};
+inline constexpr StructureEntry kBspEntry{
+    "bsp", "BSP tree: cells halved on the axes in turn", "Kaplan 1985; Sung, Shirley 1992", param_infos<BspParams>, resolve_params<BspParams>, build_bsp};
 
 }  // namespace raymeter

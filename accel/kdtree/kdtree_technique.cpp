@@ -14,7 +14,13 @@ std::vector<Param<Params>> shared_fields() {
       {"leaf_size", &Params::leaf_size, "cells of at most that many primitives are not split", 1, 64},
       {"clip", &Params::clip, "triangles that a plane cuts go to the sides of it that they reach within the cell; off: that their boxes reach"},
       {"reference_budget", &Params::reference_budget, "most references a primitive, beyond 4096 in all", 1, 1000},
-      {"traversal", &Params::traversal, "how packets go through it: each ray by itself, or with bounds on all of them", 0, 0, {"packet", "frustum"}, ParamUse::query},
+      {"traversal",
+       &Params::traversal,
+       "how packets go through it: each ray by itself, or with bounds on all of them",
+       0,
+       0,
+       {"packet", "frustum"},
+       ParamUse::query},
       {"mailbox", &Params::mailbox, "a packet remembers the last 16 primitives that it tested, and tests none of them again", 0, 0, {}, ParamUse::query},
   };
 }
@@ -42,11 +48,12 @@ private:
 
 std::vector<Param<KdTreeParams>> KdTreeParams::fields() {
   std::vector<Param<KdTreeParams>> fields = shared_fields<KdTreeParams>();
-  fields.insert(fields.end() - 2, {
-                                      {"traversal_cost", &KdTreeParams::traversal_cost, "surface area heuristic: cost of an inner node", 0.01, 100},
-                                      {"intersection_cost", &KdTreeParams::intersection_cost, "surface area heuristic: cost of a primitive test", 0.01, 100},
-                                      {"empty_bonus", &KdTreeParams::empty_bonus, "surface area heuristic: share of a split's cost spared where a side is empty", 0, 1},
-                                  });
+  fields.insert(fields.end() - 2,
+                {
+                    {"traversal_cost", &KdTreeParams::traversal_cost, "surface area heuristic: cost of an inner node", 0.01, 100},
+                    {"intersection_cost", &KdTreeParams::intersection_cost, "surface area heuristic: cost of a primitive test", 0.01, 100},
+                    {"empty_bonus", &KdTreeParams::empty_bonus, "surface area heuristic: share of a split's cost spared where a side is empty", 0, 1},
+                });
   return fields;
 }
 

@@ -21,8 +21,8 @@ struct CutReference {
 };
 [[nodiscard]] CutReference cut(const Pools& pools, const SplitReference& reference, int axis, float position) noexcept;
 
-/// The box of the part of a triangle that lies in `box`, which it meets; empty where there is none. Clipped by all six planes: after cuts on several axes this is
-/// tighter than what `cut` leaves (Havran 2000, "split clipping").
+/// The box of the part of a triangle that lies in `box`, which it meets; empty where there is none. Clipped by all six planes: after cuts on several axes this
+/// is tighter than what `cut` leaves (Havran 2000, "split clipping").
 [[nodiscard]] Aabb clipped(const Pools& pools, PrimRef triangle, const Aabb& box) noexcept;
 
 /// The part's box, grown by what the whole primitive's would be (kBoundsPadding). A hit lies within kPrimitiveError of a point of the primitive, and that point

@@ -176,7 +176,7 @@ TEST(KdTreeBuild, PlanesAreTheCheapest) {
         low.max[plane.axis] = high.min[plane.axis] = plane.position;
         int below = 0, above = 0;
         for (const SplitReference& r : references) {
-          const bool in_low = r.box.min[plane.axis] < plane.position, in_high = r.box.max[plane.axis] > plane.position;
+          const bool in_low = r.box.min[plane.axis]<plane.position, in_high = r.box.max[plane.axis]> plane.position;
           below += in_low || (!in_high && plane.flat_below) ? 1 : 0;
           above += in_high || (!in_low && !plane.flat_below) ? 1 : 0;
         }
