@@ -9,6 +9,7 @@
 
 #include "accel/ray_classification/beam.h"
 #include "accel/ray_classification/ray_order.h"
+#include "core/trace/on_demand.h"
 
 namespace raymeter {
 
@@ -27,15 +28,6 @@ struct ClassifiedScene {
     return boxes[first_prim[candidate.kind()] + static_cast<std::size_t>(candidate.index())];
   }
   [[nodiscard]] std::size_t mem_bytes() const noexcept;
-};
-
-/// What is known of the cells that serve a batch, and of all that are kept.
-struct CellStats {
-  std::int64_t leaves = 0;      ///< that hold rays of the batch
-  std::int64_t candidates = 0;  ///< in their lists together
-  std::int64_t kept = 0;        ///< cells in memory, interior and former ones included
-  std::size_t bytes = 0;        ///< of these
-  double full_bytes = 0;        ///< of the leaves, if all rays that there are had cells like those of the batch
 };
 
 /// The tree of cells, made where rays fall, and which of them serve a batch.
@@ -57,7 +49,7 @@ public:
   /// The cells of the batch, and which of them each ray is in, in the order of the rays.
   [[nodiscard]] const std::vector<RayCell>& cells() const noexcept { return served_; }
   [[nodiscard]] const Column<std::int32_t>& cell_of_rays() const noexcept { return cell_of_rays_; }
-  [[nodiscard]] const CellStats& stats() const noexcept { return stats_; }
+  [[nodiscard]] const DemandStats& stats() const noexcept { return stats_; }
 
 private:
   struct Cell {
@@ -110,7 +102,7 @@ private:
   std::size_t held_bytes_ = 0;                  ///< of what serves the batch
   std::vector<RayCell> served_;
   Column<std::int32_t> cell_of_rays_;
-  CellStats stats_;
+  DemandStats stats_;
 };
 
 }  // namespace raymeter

@@ -191,7 +191,7 @@ void RayCells::publish(const RayOrder& rays) {
 
 void RayCells::find_stats() noexcept {
   stats_ = {};
-  stats_.leaves = static_cast<std::int64_t>(leaves_.size());
+  stats_.cells = static_cast<std::int64_t>(leaves_.size());
   double part = 0, leaf_bytes = 0;
   for (const Share& leaf : leaves_) {
     const Cell& cell = at(leaf.cell);
@@ -199,7 +199,6 @@ void RayCells::find_stats() noexcept {
     part += std::ldexp(1.0 / kRayClasses, -cell.address.depth);
     leaf_bytes += static_cast<double>(list_bytes(cell.count) + sizeof(Cell));
   }
-  stats_.kept = static_cast<std::int64_t>(cells_.size() - free_.size());
   stats_.bytes = bytes_;
   stats_.full_bytes = part > 0 ? leaf_bytes / part : 0;
 }

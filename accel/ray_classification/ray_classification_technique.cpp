@@ -10,6 +10,7 @@
 #include "accel/ray_classification/ray_classification.h"
 #include "accel/ray_classification/ray_classification_kernel.h"
 #include "core/base/threads.h"
+#include "core/trace/on_demand.h"
 #include "core/trace/slices.h"
 
 namespace raymeter {
@@ -25,7 +26,7 @@ Classify classify_for(Isa isa) noexcept {
 }
 
 /// Owns the cells that its batches have made: memory_mb is for these.
-class Classifier final : public Intersector {
+class Classifier final : public Intersector, public OnDemand {
 public:
   Classifier(const ClassifiedScene& scene, const Pools& pools, const QueryOptions& options)
       : scene_(scene),
@@ -51,6 +52,8 @@ public:
     view_.cells = cells_.cells().data();
   }
   [[nodiscard]] const std::int32_t* order() const noexcept override { return rays_.place.data(); }
+
+  [[nodiscard]] DemandStats demand() const noexcept override { return cells_.stats(); }
 
   void closest_hit(const RayView& rays, const HitView& hits, Counters* counters, std::byte* scratch) const noexcept override {
     const std::ptrdiff_t first = first_of(rays);

@@ -20,6 +20,7 @@ constexpr std::array kMetrics{
     Metric{Table::samples, "mrays_per_s", higher, "million rays per second"},
     Metric{Table::samples, "ns_per_ray", lower, "trace_ms / rays_traced; shading is shared out among all rays of the frame"},
     Metric{Table::samples, "status", neither, "ok, or wrong where the pass gave other hits than the verified ones"},
+    Metric{Table::samples, "prepare_ms", lower, "the part of trace_ms that sees the whole batch: where structures are made on demand, what still had to be"},
 
     Metric{Table::builds, "build_ms", lower, "time to build the structure from the scene (T_B)"},
     Metric{Table::builds, "mprims_per_s", higher, "million primitives built per second"},
@@ -75,6 +76,11 @@ constexpr std::array kMetrics{
     Metric{Table::counters, "rays_hit", exact, "rays that hit something; of any-hit rays, those that are blocked"},
     Metric{Table::counters, "cache_hit_rate", higher, "cache_hits / ray_count"},
     Metric{Table::counters, "cache_hit_rate_blocked", higher, "cache_hits / rays_hit: how many of the blocked rays the cache answers"},
+    Metric{Table::counters, "first_prepare_ms", lower, "techniques that make cells on demand: prepare_ms of the first pass, which had all of them to make"},
+    Metric{Table::counters, "cells", exact, "cells that the pass used, made on demand"},
+    Metric{Table::counters, "candidates_per_cell", exact, "primitives in their lists, mean"},
+    Metric{Table::counters, "cell_bytes", exact, "memory of all cells that are kept"},
+    Metric{Table::counters, "full_table_bytes", neither, "extrapolated: of the cells, if all rays that there are had some like those of the pass"},
 
     Metric{Table::accuracy, "rays_checked", neither, "rays held against the exact oracle"},
     Metric{Table::accuracy, "false_miss", exact, "hits that were missed"},

@@ -16,7 +16,8 @@ void add_sample_rows(const Source& source, const Experiment& cell, const RowPhas
     const auto rays = static_cast<double>(part.rays);
     const bool timed = sample.ok && part.rays > 0 && part.ms > 0;
     add({number(std::int64_t{index}), number(sample.order_index), sample.ok ? number(part.ms) : "", number(part.rays),
-         timed ? number(rays / (part.ms * 1e3)) : "", timed ? number(part.ms * 1e6 / rays) : "", sample.ok ? "ok" : "wrong"});
+         timed ? number(rays / (part.ms * 1e3)) : "", timed ? number(part.ms * 1e6 / rays) : "", sample.ok ? "ok" : "wrong",
+         sample.ok && !sample.phases ? number(sample.prepare_ms) : ""});
   }
 }
 
@@ -43,6 +44,14 @@ void add_counter_rows(const Source& source, const Experiment& cell, const RowPha
   // A whole frame's rays are not all shadow rays: what the cache answers is in the row of these.
   const bool all_may_be_blocked = !cell.rays.image() || phase.part == FramePhase::shadow;
   for (std::string& rate : all_may_be_blocked ? cache_hit_rates(*counters, hits) : Row(2)) row.push_back(std::move(rate));
+  const std::size_t width = row.size() + 5;
+  if (const CheckRecord* const check = source.check(cell); check != nullptr && check->demand) {
+    const DemandStats& made = check->demand->stats;
+    const double per_cell = made.cells > 0 ? static_cast<double>(made.candidates) / static_cast<double>(made.cells) : 0;
+    row.insert(row.end(), {number(check->demand->first_prepare_ms), number(made.cells), number(per_cell), number(static_cast<std::int64_t>(made.bytes)),
+                           number(made.full_bytes)});
+  }
+  row.resize(width);
   add(std::move(row));
 }
 

@@ -57,6 +57,18 @@ BuildRecord build_from_json(const nlohmann::json& json) {
   return {json.at("scene"), json.at("build"), json.at("threads"), json.at("build_ms"), build_stats_from_json(json.at("stats"))};
 }
 
+Json to_json(const DemandRecord& record) {
+  return {{"first_prepare_ms", record.first_prepare_ms},
+          {"cells", record.stats.cells},
+          {"candidates", record.stats.candidates},
+          {"bytes", record.stats.bytes},
+          {"full_bytes", record.stats.full_bytes}};
+}
+
+DemandRecord demand_from_json(const nlohmann::json& json) {
+  return {json.at("first_prepare_ms"), {json.at("cells"), json.at("candidates"), json.at("bytes"), json.at("full_bytes")}};
+}
+
 CheckRecord check_from_json(const nlohmann::json& json) {
   CheckRecord record{json.at("cell"),
                      status_from_name(json.at("status")),
@@ -73,6 +85,7 @@ CheckRecord check_from_json(const nlohmann::json& json) {
   if (!json.at("accuracy").is_null()) record.accuracy = accuracy_from_json(json.at("accuracy"));
   if (json.contains("frame")) record.frame = frame_from_json(json["frame"]);
   if (json.contains("hits")) record.hits = json["hits"].get<std::int64_t>();
+  if (json.contains("demand")) record.demand = demand_from_json(json["demand"]);
   return record;
 }
 
@@ -110,6 +123,7 @@ Json to_json(const CheckRecord& record) {
             {"accuracy", record.accuracy ? to_json(*record.accuracy) : Json(nullptr)}};
   if (record.frame) json["frame"] = to_json(*record.frame);
   if (record.hits) json["hits"] = *record.hits;
+  if (record.demand) json["demand"] = to_json(*record.demand);
   return json;
 }
 

@@ -11,6 +11,7 @@
 #include "accel/technique.h"
 #include "core/render/whitted.h"
 #include "core/stats/counters.h"
+#include "core/trace/on_demand.h"
 #include "experiments/image/image_error.h"
 
 namespace raymeter {
@@ -58,6 +59,12 @@ struct FrameRecord {
   BoundCheck bound;
 };
 
+/// What a technique made on demand in the first pass over a cell's rays, which is the counted one.
+struct DemandRecord {
+  double first_prepare_ms = 0;  ///< when it had everything to make
+  DemandStats stats;
+};
+
 /// A cell before its timed passes: verified and counted, or why not.
 struct CheckRecord {
   std::string cell;
@@ -71,6 +78,7 @@ struct CheckRecord {
   std::optional<AccuracyRecord> accuracy;
   std::optional<FrameRecord> frame;  ///< of images
   std::optional<std::int64_t> hits;  ///< of ray sets: rays that hit, or are blocked
+  std::optional<DemandRecord> demand{};
 };
 
 /// A phase's part of one timed frame.

@@ -81,8 +81,14 @@ void SceneRun::check_ray_set(Live& live, const Verification& verification) {
   record.rays = static_cast<std::int64_t>(live.rays->rays.size());
   record.threads = cell.threads > 0 ? cell.threads : all_threads();
   record.counters.emplace();
+  if (dynamic_cast<const OnDemand*>(live.intersector.get()) != nullptr) {  // what the estimate made would be missing from the first pass
+    Live fresh = make_live(cell, live.rays);
+    fresh.spent_s = live.spent_s;
+    live = std::move(fresh);
+  }
   const PassTime time = run_pass(live.tracers(), *live.rays, cell.threads, answers_, &*record.counters);
   live.spent_s += time.trace_ms * 1e-3;
+  if (const auto* made = dynamic_cast<const OnDemand*>(live.intersector.get())) record.demand = {time.prepare_ms, made->demand()};
   const Verdicts verdicts = verification.judge(answers_);
   record.hit_hash = hex_text(answers_.hash());
   record.hit_mismatch = verdicts.mismatches;

@@ -8,10 +8,11 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from .cells import Cell, at_setting, describe_setting, finite, main_setting, rays_of, scenes_of
+from .cells import SETTING, Cell, at_setting, describe_setting, finite, main_setting, rays_of, scenes_of
 from .figure_dots import Dot, Panel, dot_figure
 from .figure_error import error_figure
 from .figure_scatter import Point, run_order_figure, scatter_figure
+from .figure_memory import budget_lines, memory_figure
 from .figure_sweep import sweep, sweep_figure
 from .frames import cuts
 from .records import Record, Run, whole
@@ -72,6 +73,7 @@ def drafts(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Draft]:
         scatter_draft(chosen, look_of, where),
         build_draft(chosen, look_of),
         *sweep_drafts(cells, look_of),
+        memory_draft(cells, look_of),
         error_draft(cells, look_of),
         run_order_draft(runs, cells, look_of),
     ]
@@ -188,6 +190,18 @@ def sweep_drafts(cells: Sequence[Cell], look_of: dict[str, Look]) -> list[Draft]
             caption += " The dashed line is perfect scaling."
         result.append(Draft(name, title, caption, sweep_figure(data, cells, look_of, axis, ideal=column == "threads")))
     return result
+
+
+def memory_draft(cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:
+    """Tests per ray against the memory of cells that are made on demand; None where no budget was swept."""
+    lines = budget_lines(cells)
+    if not lines:
+        return None
+    caption = (
+        "What memory buys a technique that makes its cells when rays fall into them: primitive tests per ray (N_IT) against the memory that the cells hold, along a "
+        f"line at rising budgets, at {describe_setting(dict(zip(SETTING, lines[0][0].setting)))}. Down and left is better."
+    )
+    return Draft("tests_vs_memory", "Tests per ray against memory", caption, memory_figure(lines, look_of))
 
 
 def error_draft(cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:

@@ -60,6 +60,9 @@ GLOSSARY: dict[str, list[Term]] = {
         Term("cache_hit_rate_blocked", "", "The same share of those rays that anything blocks."),
         Term("…_packets", "", "Times the code was reached, whatever the number of live lanes; the plain column sums over live lanes."),
         Term("simd_utilization", "", "Live lanes divided by all lanes of the operations performed: 1 is full use."),
+        Term("first_prepare_ms", "ms", "Techniques that make cells on demand: prepare_ms of the first pass, which had all of them to make."),
+        Term("cells, candidates_per_cell", "", "Cells made on demand that the pass used, and the primitives that one lists, mean."),
+        Term("cell_bytes, full_table_bytes", "bytes", "Memory of all cells that are kept; and, extrapolated, if all rays that there are had cells like those of the pass."),
         Term("r_ITM", "", "Ray-primitive tests divided by the least number needed (one for each ray that hits): prim_tests / rays that hit.", "r_ITM", False),
     ],
     "frames.csv": [
@@ -114,6 +117,7 @@ GLOSSARY: dict[str, list[Term]] = {
         Term("trace_ms", "ms", "Time of the sample."),
         Term("rays_traced", "rays", "Rays traced in the sample."),
         Term("ns_per_ray", "ns", "trace_ms / rays_traced."),
+        Term("prepare_ms", "ms", "The part of trace_ms that sees the whole batch: sorting rays, and making what is made on demand and is not there yet."),
     ],
 }
 SYMBOL_NOTE = (

@@ -129,7 +129,7 @@ TEST(RayCells, AreSplitUntilTheirListsAreShort) {
   std::int64_t longest = 0;
   for (const std::int32_t cell : cells.cell_of_rays()) longest = std::max<std::int64_t>(longest, cells.cells()[static_cast<std::size_t>(cell)].count);
   EXPECT_LE(longest, 40) << "of 2000";
-  EXPECT_LE(static_cast<double>(cells.stats().candidates), 8.5 * static_cast<double>(cells.stats().leaves)) << "leaf_size is 8";
+  EXPECT_LE(static_cast<double>(cells.stats().candidates), 8.5 * static_cast<double>(cells.stats().cells)) << "leaf_size is 8";
 }
 
 TEST(RayCells, ListsAscendAlongTheDirection) {
@@ -152,7 +152,7 @@ TEST(RayCells, DoNotDependOnThreadsNorOnWhatWasTracedBefore) {
     RayCells fresh(classified);
     serve(fresh, batch);
     const auto expected = lists_of(fresh);
-    const CellStats stats = fresh.stats();
+    const DemandStats stats = fresh.stats();
     serve(fresh, batch);
     EXPECT_EQ(lists_of(fresh), expected) << "the steady pass, " << memory_mb;
     for (const int threads : {1, 2, 7}) {
@@ -161,7 +161,7 @@ TEST(RayCells, DoNotDependOnThreadsNorOnWhatWasTracedBefore) {
         serve(used, other, threads);
         serve(used, batch, threads);
         EXPECT_EQ(lists_of(used), expected) << threads << " threads, " << memory_mb;
-        EXPECT_EQ(used.stats().leaves, stats.leaves);
+        EXPECT_EQ(used.stats().cells, stats.cells);
         EXPECT_EQ(used.stats().candidates, stats.candidates);
       }
     }
