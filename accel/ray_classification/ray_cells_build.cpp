@@ -33,8 +33,8 @@ std::int32_t lower_bound(const RayOrder& rays, std::int32_t begin, std::int32_t 
 
 void RayCells::serve(const RayOrder& rays) {
   ++batch_;
+  for (const Share& leaf : leaves_) at(leaf.cell).held = false;
   leaves_.clear();
-  for (Cell& cell : cells_) cell.held = false;
   held_bytes_ = 0;
   const auto ray_count = static_cast<std::int32_t>(rays.key.size());
   for (std::int32_t c = 0; c < kRayClasses; ++c) {
