@@ -17,7 +17,7 @@ COLUMNS = {  # the contract
     "builds": "build_ms,mprims_per_s,nodes,interior_nodes,leaves,empty_leaves,references,max_depth,sah_cost,epo,mem_bytes,bytes_per_prim,break_even_rays,"
               "scene_bytes,sibling_distance,node_volume,total_volume,cost_depth,cost_depth_p90,epo_se,volume_area,void_area",
     "counters": "ray_count," + EVENTS + "," + ",".join(f"{event}_packets" for event in EVENTS.split(",")) +
-                ",node_visits_per_ray,prim_tests_per_ray,simd_utilization,first_prepare_ms,cells,candidates_per_cell,cell_bytes,full_table_bytes",
+                ",node_visits_per_ray,prim_tests_per_ray,simd_utilization,rays_hit,cache_hit_rate,cache_hit_rate_blocked,first_prepare_ms,cells,candidates_per_cell,cell_bytes,full_table_bytes",
     "accuracy": "rays_checked,false_miss,false_hit,wrong_prim,self_hits,t_ulp_p50,t_ulp_p99,t_ulp_max,image_rmse,image_psnr,image_ssim",
     "frames": "rays_traced,primary,primary_hit,reflection,reflection_hit,refraction,refraction_hit,tir,shadow,shadow_blocked,rays_saved,mean_depth,deepest,"
               "generations,error_mean,error_max,bound_mean,bound_max,bound_exceeded",
