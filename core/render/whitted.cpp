@@ -12,6 +12,7 @@
 #include "core/ray/pixel_order.h"
 #include "core/render/radiance_bound.h"
 #include "core/render/wavefront.h"
+#include "core/scene/scene_needs.h"
 #include "core/trace/trace.h"
 
 namespace raymeter {
@@ -87,12 +88,12 @@ private:
   void follow(const Generation& rays) {
     if (rays.size() == 0) return;
     trace(rays);
-    look_at_surfaces(rays);
+    needs_.shading() ? look_at_surfaces<true>(rays) : look_at_surfaces<false>(rays);
     for (std::size_t light = 0; light < scene_.lights.size(); ++light) add_light(light, rays.node);
     if (rays.depth >= options_.termination.max_depth) return;
     Children& children = children_[static_cast<std::size_t>(rays.depth)];
-    reflect(rays, children.reflections);
-    refract(rays, children.refractions);
+    if (needs_.reflection || needs_.refraction) reflect(rays, children.reflections);
+    if (needs_.refraction) refract(rays, children.refractions);
     follow(children.reflections);
     follow(children.refractions);
   }
@@ -140,20 +141,21 @@ private:
     out_.depth.generation[depth - 1] += all;
   }
 
-  /// Adds the background where rays meet nothing, and makes points of where they do.
+  /// Adds the background where rays meet nothing, and makes points of where they do, if surfaces matter.
+  template <bool kSurfaces>
   void look_at_surfaces(const Generation& rays) {
     points_.begin(rays.size());
     for_each_slice(rays.size(), options_.threads, [&](std::size_t slice, std::size_t first, std::size_t size) {
       std::vector<ShadingPoint>& points = points_.of_slice[slice];
       points.clear();
-      points.reserve(size);
+      if constexpr (kSurfaces) points.reserve(size);
       for (std::size_t i = first; i < first + size; ++i) {
         const auto slot = static_cast<std::size_t>(rays.slot[i]);
         deepest_[slot] = std::max(deepest_[slot], rays.depth);
-        if (hits_.prim[i] >= 0)
-          points.push_back(shading_point(rays, i, hits_.t[i], hits_.prim[i]));
-        else
+        if (hits_.prim[i] < 0)
           sum_[slot] += glm::dvec3(rays.weight[i]) * scene_.background;
+        else if constexpr (kSurfaces)
+          points.push_back(shading_point(rays, i, hits_.t[i], hits_.prim[i]));
       }
     });
   }
@@ -247,6 +249,7 @@ private:
   TracedOcclusion traced_{intersector_};
   Occlusion* occlusion_ = &traced_;
   const RenderOptions& options_;
+  SceneNeeds needs_ = options_.general ? all_needs() : needs_of(scene_);
   SurfaceRules rules_;
   Column<std::int32_t> pixels_;  ///< of the band
   std::vector<glm::dvec3> sum_;  ///< their radiance so far

@@ -46,6 +46,7 @@ struct RenderOptions {
   bool count = false;              ///< the counting kernels trace
   Occlusion* occlusion = nullptr;  ///< what answers shadow rays; null: the intersector
   bool bound = false;              ///< Rendering::bound is worked out
+  bool general = false;            ///< runs what any scene may need, not only what this one does: to the same image, for comparison
 };
 
 struct Rendering {

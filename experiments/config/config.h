@@ -28,6 +28,7 @@ struct Matrix {
   std::vector<TechniqueAxis<OcclusionEntry>> occlusion{{&occlusions().front(), {}, "matrix.occlusion"}};
   std::vector<int> max_depth{5};
   std::vector<double> min_weight{0};
+  std::vector<bool> general{false};
   std::vector<Isa> isa{best_isa()};
   std::vector<int> packet{16};
   std::vector<RaysChoice> rays{{"primary", "", false}};

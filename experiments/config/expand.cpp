@@ -61,6 +61,7 @@ void settle(Experiment& e) {
   if (!e.rays.image()) {
     e.max_depth = Experiment{}.max_depth;
     e.min_weight = Experiment{}.min_weight;
+    e.general = Experiment{}.general;
   }
   if (!takes_first_hit(e.rays)) e.first_hit = default_of(first_hits());
   if (!takes_occlusion(e.rays)) e.occlusion = default_of(occlusions());
@@ -100,8 +101,10 @@ std::vector<Experiment> scene_cells(const Config& config, const SceneChoice& sce
         each(occlusion, e.occlusion, [&] {
           each(m.max_depth, e.max_depth, [&] {
             each(m.min_weight, e.min_weight, [&] {
-              each(m.isa, e.isa,
-                   [&] { each(m.packet, e.packet, [&] { each(m.rays, e.rays, [&] { each(m.threads, e.threads, [&] { cells.push_back(e); }); }); }); });
+              each(m.general, e.general, [&] {
+                each(m.isa, e.isa,
+                     [&] { each(m.packet, e.packet, [&] { each(m.rays, e.rays, [&] { each(m.threads, e.threads, [&] { cells.push_back(e); }); }); }); });
+              });
             });
           });
         });
@@ -123,7 +126,7 @@ bool differ_only_in(const Experiment& a, const Experiment& b, const Pattern& fre
       if (!free.names(param) && other && field(a, param) != other) return false;
     }
   }
-  for (const char* key : {"scene", "max_depth", "min_weight", "isa", "packet", "rays", "threads"}) {
+  for (const char* key : {"scene", "max_depth", "min_weight", "needs", "isa", "packet", "rays", "threads"}) {
     if (!free.names(key) && field(a, key) != field(b, key)) return false;
   }
   return true;
@@ -158,7 +161,8 @@ double cell_count(const Config& config) noexcept {
     return count;
   };
   double count = choice_count(m.structure) * choice_count(m.first_hit) * choice_count(m.occlusion);
-  for (const std::size_t size : {m.scene.size(), m.max_depth.size(), m.min_weight.size(), m.isa.size(), m.packet.size(), m.rays.size(), m.threads.size()}) {
+  for (const std::size_t size :
+       {m.scene.size(), m.max_depth.size(), m.min_weight.size(), m.general.size(), m.isa.size(), m.packet.size(), m.rays.size(), m.threads.size()}) {
     count *= static_cast<double>(size);
   }
   return count;
@@ -200,6 +204,7 @@ std::string canonical_json(const Experiment& e) {
                       {"threads", threads_text(e.threads)},
                       {"width", e.width},
                       {"height", e.height}};
+  if (e.general) json["needs"] = "all";
   if (e.camera != CameraConvention::pixel) json["camera"] = name(e.camera);
   return json.dump();
 }

@@ -49,7 +49,7 @@ std::array<SlotField, kSlots.size()> slot_fields(const Experiment& e) noexcept {
 }
 
 std::vector<std::string> field_keys() {
-  std::vector<std::string> keys{"scene", "max_depth", "min_weight", "isa", "packet", "rays", "threads"};
+  std::vector<std::string> keys{"scene", "max_depth", "min_weight", "needs", "isa", "packet", "rays", "threads"};
   const auto add = [&](const std::string& key) {
     if (std::ranges::find(keys, key) == keys.end()) keys.push_back(key);
   };
@@ -65,6 +65,7 @@ std::optional<std::string> field(const Experiment& e, const std::string& key) {
   if (key == "scene") return e.scene.name;
   if (key == "max_depth") return std::to_string(e.max_depth);
   if (key == "min_weight") return to_string(ParamValue(e.min_weight));
+  if (key == "needs") return e.general ? "all" : "auto";
   if (key == "isa") return std::string(name(e.isa));
   if (key == "packet") return std::to_string(e.packet);
   if (key == "rays") return e.rays.name;

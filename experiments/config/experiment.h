@@ -39,6 +39,7 @@ struct Experiment {
   Chosen<OcclusionEntry> occlusion;         ///< the default where the rays are no shadow rays: see takes_occlusion()
   int max_depth = Termination{}.max_depth;  ///< of frames; where ray sets are traced it stays as it is here
   double min_weight = 0;                    ///< likewise
+  bool general = false;                     ///< likewise: frames run what any scene may need
   Isa isa = Isa::scalar;
   int packet = 1;
   RaysChoice rays;

@@ -104,6 +104,7 @@ void check_depths(const Matrix& m) {
   if (std::any_of(m.rays.begin(), m.rays.end(), [](const RaysChoice& rays) { return rays.image(); })) return;
   const Matrix ray_sets;
   if (m.max_depth != ray_sets.max_depth) throw Error("matrix.max_depth: ray sets have no depth, expected \"image\" among matrix.rays");
+  if (m.general != ray_sets.general) throw Error("matrix.needs: ray sets need no shading, expected \"image\" among matrix.rays");
   if (m.min_weight != ray_sets.min_weight) throw Error("matrix.min_weight: ray sets have no weights, expected \"image\" among matrix.rays");
 }
 
@@ -117,6 +118,7 @@ Matrix parse_matrix(const Json& json, const Environment& environment) {
   list("occlusion", m.occlusion, [](const Json& value, const std::string& path) { return parse_axis(value, path, occlusion_entry); });
   list("max_depth", m.max_depth, whole);
   list("min_weight", m.min_weight, [](const Json& value, const std::string&) { return value.get<double>(); });
+  list("needs", m.general, [](const Json& value, const std::string&) { return value.get<std::string>() == "all"; });
   list("isa", m.isa, [](const Json& value, const std::string&) { return isa_from_name(value.get<std::string>()).value_or(best_isa()); });
   list("packet", m.packet, whole);
   list("rays", m.rays, [&](const Json& value, const std::string& path) { return parse_rays(value, environment, path); });

@@ -98,6 +98,7 @@ Json matrix_schema() {
                         {"occlusion", sweep(slot_schema("occlusion"), "what is tried before a shadow ray is traced; other rays take the default")},
                         {"max_depth", sweep(integer(1, 100), "greatest depth of an image's rays, the eye ray having 1; ray sets have none")},
                         {"min_weight", sweep(weight, "least share of its pixel with which an image's ray is followed; 0 cuts nothing")},
+                        {"needs", sweep({{"enum", {"auto", "all"}}}, "auto: images run what their scene needs; all: what any scene may need, to compare")},
                         {"isa", sweep(isa_schema(), "instruction sets; one that the machine lacks is recorded as skipped; best: the machine's best")},
                         {"packet", sweep(integer(1, kMaxPacket), "rays per packet; 1 traces rays one by one")},
                         {"rays", sweep(rays_schema(), "ray sets, or image: complete frames; .npy files are for closest unless they say query: any")},

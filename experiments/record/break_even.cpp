@@ -20,7 +20,8 @@ namespace {
 
 /// Scene, rays and setting: what techniques have to share to be compared.
 auto surroundings(const Experiment& e) {
-  return std::tuple(e.scene.name, e.rays.name, e.isa, e.packet, e.threads, technique_text(e.first_hit), technique_text(e.occlusion), e.max_depth, e.min_weight);
+  return std::tuple(e.scene.name, e.rays.name, e.isa, e.packet, e.threads, technique_text(e.first_hit), technique_text(e.occlusion), e.max_depth, e.min_weight,
+                    e.general);
 }
 
 std::optional<Price> price_of(const Experiment& cell, const RunRecords& records) {

@@ -32,7 +32,7 @@ Row key_fields(const Source& source, const Experiment& e, std::string_view phase
   return {cell_id(e, source.records),
           e.scene.name,
           scene != nullptr ? std::to_string(scene->num_prims) : "",
-          scene != nullptr ? scene->needs : "",
+          e.general ? "all" : scene != nullptr ? scene->needs : "",
           e.rays.name,
           std::string(phase),
           std::string(e.structure->name),

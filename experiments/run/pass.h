@@ -46,6 +46,7 @@ struct Frame {
   const Scene* scene = nullptr;
   CameraModel model;
   Termination termination;
+  bool general = false;  ///< see RenderOptions
 };
 
 struct FramePass {

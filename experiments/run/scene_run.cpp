@@ -9,10 +9,10 @@
 #include "accel/registry.h"
 #include "core/base/error.h"
 #include "core/base/threads.h"
+#include "core/scene/scene_needs.h"
 #include "experiments/config/hash.h"
 #include "experiments/npy.h"
 #include "experiments/record/tables.h"
-#include "experiments/run/scene_needs.h"
 #include "experiments/run/verification.h"
 #include "experiments/scenes/scene_source.h"
 
@@ -75,7 +75,7 @@ void SceneRun::load() {
   const SceneChoice& choice = cells_.front().scene;
   const auto start = Clock::now();
   scene_ = std::make_unique<Scene>(load_scene(choice.spec));
-  const SceneRecord record{choice.name, hex_text(scene_->hash()), scene_->prim_count(), scene_needs(*scene_), scene_->mem_bytes(), ms_since(start)};
+  const SceneRecord record{choice.name, hex_text(scene_->hash()), scene_->prim_count(), needs_of(*scene_).text(), scene_->mem_bytes(), ms_since(start)};
   const auto& known = context_.log.records().scenes;
   const auto before = known.find(choice.name);
   if (before == known.end())
@@ -154,7 +154,7 @@ SceneRun::Live SceneRun::make_live(const Experiment& cell, const RaySet* rays) c
   Live live;
   live.cell = &cell;
   live.rays = rays;
-  live.frame = {scene_.get(), {scene_->camera, cell.camera, cell.width, cell.height}, {cell.max_depth, cell.min_weight}};
+  live.frame = {scene_.get(), {scene_->camera, cell.camera, cell.width, cell.height}, {cell.max_depth, cell.min_weight}, cell.general};
   live.intersector = structures_.at(build_text(cell))->intersector({cell.isa, cell.packet, cell.params});
   const auto fill = [&](const auto& chosen, const auto& default_row, auto& slot) {
     if (chosen.entry != &default_row) slot = chosen.entry->make(*scene_, {cell.isa, cell.packet, cell.threads, chosen.params}, *live.intersector);

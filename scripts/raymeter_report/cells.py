@@ -112,6 +112,7 @@ def _label(cells: list[Cell]) -> None:
             shown = [f"{key}={value}" for key, value in parse_params(params).items() if key in varying[name]]
             parts.append(name + (":" + ",".join(shown) if shown else ""))
         cell.label = "+".join(parts)
+        cell.label += " (needs=all)" if cell.summary.get("needs") == "all" else ""
         if seen[comparison_key(cell)] > 1 and len({other.run for other in cells}) > 1:
             cell.label += f" @{cell.run}"
         rays = str(cell.summary["rays"])
@@ -120,7 +121,7 @@ def _label(cells: list[Cell]) -> None:
 
 def comparison_key(cell: Cell) -> tuple[Value, ...]:
     """What identifies a cell within a run; equal keys of two runs are the same measurement repeated."""
-    return (cell.scene, cell.summary["rays"], cell.summary["phase"], *cell.technique, *cell.setting)
+    return (cell.scene, cell.summary["rays"], cell.summary["phase"], *cell.technique, cell.summary.get("needs") == "all", *cell.setting)
 
 
 def techniques_of(cells: Iterable[Cell]) -> list[str]:

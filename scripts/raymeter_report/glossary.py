@@ -19,7 +19,7 @@ GLOSSARY: dict[str, list[Term]] = {
         Term("cell_id", "", "Identifies one measured configuration within a run; the same in every file."),
         Term("scene", "", "Generator with its size, or the scene's file."),
         Term("num_prims", "primitives", "Number of primitives: spheres, triangles, polygons, cones."),
-        Term("needs", "", "What the scene asks of a technique: its primitive kinds and features."),
+        Term("needs", "", "What the scene has and the tracer is ready for: primitive kinds and features; all where it is ready for everything."),
         Term("rays", "", "Ray kind. Secondary rays start from the hits of the primary ones."),
         Term("phase", "", "What is timed: closest hit, any hit; of images the total, first_hit, shadow, reflection, refraction or shading (all the rest)."),
         Term("structure", "", "Acceleration structure."),
