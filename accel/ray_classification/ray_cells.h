@@ -73,7 +73,9 @@ private:
   // ray_cells_build.cpp: which cells serve
   [[nodiscard]] bool worth_splitting(const Share& share) const noexcept;
   void wait(const Share& share);
+  void begin_with_classes(const RayOrder& rays);
   void split_round(const RayOrder& rays, std::vector<Share>& round);
+  void make_halves(const std::vector<Share>& round, const std::vector<std::int32_t>& middle);
   void publish(const RayOrder& rays);
   void find_stats() noexcept;
   // ray_cells_lists.cpp: what they list, and what is kept

@@ -36,20 +36,7 @@ void RayCells::serve(const RayOrder& rays) {
   for (const Share& leaf : leaves_) at(leaf.cell).held = false;
   leaves_.clear();
   held_bytes_ = 0;
-  const auto ray_count = static_cast<std::int32_t>(rays.key.size());
-  for (std::int32_t c = 0; c < kRayClasses; ++c) {
-    const int bits = scene_.space.key_bits();
-    const std::int32_t begin = lower_bound(rays, 0, ray_count, static_cast<std::uint64_t>(c) << bits);
-    const std::int32_t end = lower_bound(rays, begin, ray_count, static_cast<std::uint64_t>(c + 1) << bits);
-    if (begin == end) continue;
-    std::int32_t& cell = class_cell_[static_cast<std::size_t>(c)];
-    if (cell < 0) {
-      make_room(sizeof(Cell));
-      cell = new_cell({{}, static_cast<std::uint8_t>(c), 0}, -1);
-      at(cell).count = at(cell).shrunk_count = static_cast<std::int32_t>(scene_.prims.size());
-    }
-    wait({cell, begin, end});
-  }
+  begin_with_classes(rays);
 
   bool full = false;
   std::vector<Share> now, round;
@@ -84,6 +71,23 @@ void RayCells::serve(const RayOrder& rays) {
   publish(rays);
 }
 
+void RayCells::begin_with_classes(const RayOrder& rays) {
+  const auto ray_count = static_cast<std::int32_t>(rays.key.size());
+  for (std::int32_t c = 0; c < kRayClasses; ++c) {
+    const int bits = scene_.space.key_bits();
+    const std::int32_t begin = lower_bound(rays, 0, ray_count, static_cast<std::uint64_t>(c) << bits);
+    const std::int32_t end = lower_bound(rays, begin, ray_count, static_cast<std::uint64_t>(c + 1) << bits);
+    if (begin == end) continue;
+    std::int32_t& cell = class_cell_[static_cast<std::size_t>(c)];
+    if (cell < 0) {
+      make_room(sizeof(Cell));
+      cell = new_cell({{}, static_cast<std::uint8_t>(c), 0}, -1);
+      at(cell).count = at(cell).shrunk_count = static_cast<std::int32_t>(scene_.prims.size());
+    }
+    wait({cell, begin, end});
+  }
+}
+
 bool RayCells::worth_splitting(const Share& share) const noexcept {
   const Cell& cell = at(share.cell);
   const RayClassificationParams& params = scene_.params;
@@ -111,6 +115,20 @@ void RayCells::split_round(const RayOrder& rays, std::vector<Share>& round) {
     middle[i] = lower_bound(rays, share.begin, share.end, upper);
   });
 
+  make_halves(round, middle);
+  for (std::size_t i = 0; i < round.size(); ++i) {
+    const Share share = round[i];
+    Cell& cell = at(share.cell);
+    cell.held = false;
+    held_bytes_ -= 3 * list_bytes(cell.count) + 2 * sizeof(Cell);  // the cell itself goes on to count
+    if (middle[i] > share.begin) wait({cell.child[0], share.begin, middle[i]});
+    if (middle[i] < share.end) wait({cell.child[1], middle[i], share.end});
+  }
+  round.clear();
+}
+
+/// Makes those halves that have rays and are not there, from the lists of the cells that are split.
+void RayCells::make_halves(const std::vector<Share>& round, const std::vector<std::int32_t>& middle) {
   const auto has_rays = [&](std::size_t i, std::size_t side) noexcept { return side == 0 ? middle[i] > round[i].begin : middle[i] < round[i].end; };
   std::size_t needed = 0;
   std::vector<std::int32_t> without_list, fresh;
@@ -143,16 +161,6 @@ void RayCells::split_round(const RayOrder& rays, std::vector<Share>& round) {
   }
   for_each(fresh, [&](std::int32_t cell) { make_list(at(cell)); });
   for (const std::int32_t cell : fresh) bytes_ += list_bytes(at(cell).count);
-
-  for (std::size_t i = 0; i < round.size(); ++i) {
-    const Share share = round[i];
-    Cell& cell = at(share.cell);
-    cell.held = false;
-    held_bytes_ -= 3 * list_bytes(cell.count) + 2 * sizeof(Cell);  // the cell itself goes on to count
-    if (has_rays(i, 0)) wait({cell.child[0], share.begin, middle[i]});
-    if (has_rays(i, 1)) wait({cell.child[1], middle[i], share.end});
-  }
-  round.clear();
 }
 
 /// Makes the lists that serving cells lack, and tells each ray its cell.
