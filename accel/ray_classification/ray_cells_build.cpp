@@ -14,7 +14,7 @@ namespace raymeter {
 namespace {
 
 /// Where lists do not become shorter, as those of objects that lie on each other, splitting ends: so many splits have to take away a quarter.
-constexpr int kPatience = 15;
+constexpr int kPatience = 25;
 /// Candidates that are looked at between two looks at the memory.
 constexpr std::int64_t kRoundCandidates = 1 << 20;
 
