@@ -30,20 +30,20 @@ struct ShadowCacheParams {
          0,
          {"serial", "batch"},
          kQuery},
-        {"batch", &ShadowCacheParams::batch, "rays of a batch: fewer learn sooner, more share packets and threads", 1, 1 << 20, {}, kQuery},
+        where<ShadowCacheParams>(
+            [](const ShadowCacheParams& p) { return p.update == "batch"; },
+            {"batch", &ShadowCacheParams::batch, "rays of a batch: fewer learn sooner, more share packets and threads", 1, 1 << 20, {}, kQuery}),
         {"forget", &ShadowCacheParams::forget, "a ray that nothing blocks empties its entry", 0, 0, {}, kQuery}};
   }
 };
 
-/// All parameters with their values; throws Error also where a serial cache is given a batch.
-[[nodiscard]] ParamValues resolve_shadow_cache(const ParamValues& values);
 [[nodiscard]] std::unique_ptr<Occlusion> make_shadow_cache(const Scene& scene, const SlotOptions& options, Intersector& intersector);
 
 inline constexpr OcclusionEntry kShadowCacheEntry{"shadow_cache",
                                                   "what blocked the last ray from there is tested first",
                                                   "Haines, Greenberg 1986, IEEE CG&A 6(9); Haines 1987, IEEE CG&A 7(11)",
                                                   param_infos<ShadowCacheParams>,
-                                                  resolve_shadow_cache,
+                                                  resolve_params<ShadowCacheParams>,
                                                   make_shadow_cache};
 
 }  // namespace raymeter

@@ -133,12 +133,6 @@ private:
 
 }  // namespace
 
-ParamValues resolve_shadow_cache(const ParamValues& values) {
-  const auto params = bind<ShadowCacheParams>(values);
-  if (params.update == "serial" && params.batch != ShadowCacheParams().batch) throw Error("batch: has no part in update=serial, expected it to be left out");
-  return resolved(params);
-}
-
 std::unique_ptr<Occlusion> make_shadow_cache(const Scene& scene, const SlotOptions& options, Intersector& intersector) {
   const auto params = bind<ShadowCacheParams>(options.params);
   if (params.update == "serial") return std::make_unique<SerialShadowCache>(scene, params, options.isa, intersector);
