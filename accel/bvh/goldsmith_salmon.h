@@ -9,6 +9,8 @@
 // Stored costs stay those of the tree: the root's own increment is a candidate like any other, a leaf's new parent counts its two children, and the bounds,
 // areas and costs of all nodes above the new one follow at once.
 
+#include <algorithm>
+#include <concepts>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -64,19 +66,20 @@ public:
       return;
     }
     const std::int32_t place = best_place(bound, area);
+    std::size_t depth = depth_of_place_;
     double growth;
     if (at(place).child_count == 0) {
       growth = make_inner(place, bound, area, prim);
     } else {
       const double before = at(place).area * at(place).child_count;
       add_leaf(bound, area, prim, place);
-      grow(place, bound);
+      grow(place, bound, common_areas_[depth]);
       growth = at(place).area * at(place).child_count - before;
       at(place).cost += growth;
     }
     for (std::int32_t n = at(place).parent; n != kNone; n = at(n).parent) {
       const double before = at(n).area;
-      grow(n, bound);
+      grow(n, bound, common_areas_[--depth]);
       growth += (at(n).area - before) * at(n).child_count;
       at(n).cost += growth;
     }
@@ -95,21 +98,33 @@ private:
     return node.child_count == 0 ? 2 * common_area : common_area * (node.child_count + 1) - node.area * node.child_count;
   }
 
-  [[nodiscard]] std::int32_t best_place(const Bound& bound, double area) const {
+  /// Of what holds the node's volume and another. Where that is the node's own, as often in overlapping nodes, it need not be measured again.
+  [[nodiscard]] double area_with(const Node& node, const Bound& bound) const {
+    const Bound both = volume_.merge(node.bound, bound);
+    if constexpr (std::equality_comparable<Bound>) {
+      if (both == node.bound) return node.area;
+    }
+    return volume_.half_area(both);
+  }
+
+  /// Also leaves, for the nodes on the way down to it, what their areas become: they are not worked out twice.
+  [[nodiscard]] std::int32_t best_place(const Bound& bound, double area) {
     std::int32_t n = 0, best = 0;
-    double common_area = volume_.half_area(volume_.merge(at(0).bound, bound));
-    double best_cost = increment(at(0), common_area), above = 0;
+    common_areas_.assign(1, area_with(at(0), bound));
+    depth_of_place_ = 0;
+    double best_cost = increment(at(0), common_areas_[0]), above = 0;
     while (at(n).child_count > 0) {
       if (inherited_) {
-        above += (common_area - at(n).area) * at(n).child_count;
+        above += (common_areas_.back() - at(n).area) * at(n).child_count;
         if (above >= best_cost) break;  // and so do all places below
       }
       const Choice child = best_child(n, bound, area);
       n = child.node;
-      common_area = child.common_area;
+      common_areas_.push_back(child.common_area);
       if (above + child.increment < best_cost) {
         best_cost = above + child.increment;
         best = n;
+        depth_of_place_ = common_areas_.size() - 1;
       }
     }
     return best;
@@ -127,7 +142,9 @@ private:
     const double least = at(parent).inner_children == 0 ? 2 * area : 0;
     Choice best;
     for (std::int32_t c = at(parent).first_child; c != kNone; c = at(c).next) {
-      const double common_area = volume_.half_area(volume_.merge(at(c).bound, bound));
+      // What holds both has at least the area of either; most children are not worth a look at what they would become.
+      if (increment(at(c), std::max(at(c).area, area)) >= best.increment) continue;
+      const double common_area = area_with(at(c), bound);
       const double cost = increment(at(c), common_area);
       if (cost < best.increment || best.node == kNone) best = {c, cost, common_area};
       if (best.increment <= least) break;
@@ -153,20 +170,23 @@ private:
     at(n).prim = kNone;
     add_leaf(leaf.bound, leaf.area, leaf.prim, n);
     add_leaf(bound, area, prim, n);
-    grow(n, bound);
+    grow(n, bound, common_areas_[depth_of_place_]);
     if (leaf.parent != kNone) ++at(leaf.parent).inner_children;
     return at(n).cost = 2 * at(n).area;
   }
 
-  void grow(std::int32_t n, const Bound& bound) {
+  void grow(std::int32_t n, const Bound& bound, double common_area) {
     Node& node = at(n);
     node.bound = volume_.merge(node.bound, bound);
-    node.area = volume_.half_area(node.bound);
+    node.area = common_area;
   }
 
   V volume_;
   bool inherited_;
   std::vector<Node> nodes_;
+  // Of the latest search, from the root down.
+  std::vector<double> common_areas_;
+  std::size_t depth_of_place_ = 0;
 };
 
 /// Builds over primitives in the order of insertion that the parameters name. `insert_all(order)` makes the hierarchy of the scene's prims_that_can_be_hit(),

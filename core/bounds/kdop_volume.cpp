@@ -7,7 +7,6 @@
 #include <string>
 
 #include <glm/geometric.hpp>
-#include <glm/matrix.hpp>
 
 #include "core/base/error.h"
 #include "core/bounds/outward_rounding.h"
@@ -64,45 +63,15 @@ std::vector<glm::vec3> parse_directions(std::string_view text) {
   return directions;
 }
 
-/// A convex polygon in space; cutting it by a plane adds one vertex at most.
-struct Face {
-  std::array<glm::dvec3, 2 * kMaxSlabs + 4> vertex;
-  std::size_t count = 0;
-
-  /// Keeps what has normal . x <= limit.
-  void cut(const glm::dvec3& normal, double limit) noexcept {
-    std::array<double, 2 * kMaxSlabs + 4> above;
-    bool cuts = false;
-    for (std::size_t k = 0; k < count; ++k) {
-      above[k] = glm::dot(normal, vertex[k]) - limit;
-      cuts = cuts || above[k] > 0;
-    }
-    if (!cuts) return;
-    const Face whole = *this;
-    count = 0;
-    for (std::size_t k = 0; k < whole.count; ++k) {
-      const std::size_t next = k + 1 < whole.count ? k + 1 : 0;
-      const glm::dvec3 &a = whole.vertex[k], &b = whole.vertex[next];
-      if (above[k] <= 0) vertex[count++] = a;
-      if (above[k] * above[next] < 0) vertex[count++] = a + (b - a) * (above[k] / (above[k] - above[next]));
-    }
-  }
-  [[nodiscard]] double area() const noexcept {
-    glm::dvec3 sum(0.0);
-    for (std::size_t k = 2; k < count; ++k) sum += glm::cross(vertex[k - 1] - vertex[0], vertex[k] - vertex[0]);
-    return glm::length(sum) / 2;
-  }
-};
-
 }  // namespace
 
 KdopVolume::KdopVolume(const Scene& scene, int k) : KdopVolume(scene, cube_directions(k)) {}
 
 KdopVolume::KdopVolume(const Scene& scene, std::string_view directions) : KdopVolume(scene, parse_directions(directions)) {
-  if (!(std::abs(glm::determinant(basis_)) > 1e-3)) refuse(directions, "they do not span space");
+  if (!polytope_.spans_space()) refuse(directions, "they do not span space");
 }
 
-KdopVolume::KdopVolume(const Scene& scene, std::vector<glm::vec3> directions) : directions_(std::move(directions)) {
+KdopVolume::KdopVolume(const Scene& scene, std::vector<glm::vec3> directions) : directions_(std::move(directions)), polytope_(directions_) {
   Aabb box;
   for (std::int32_t id = 0; id < scene.prim_id_count(); ++id) {
     if (!scene.prim(id).dropped()) box.grow(tight_bounds(scene.pools(), scene.prim(id)));
@@ -111,17 +80,6 @@ KdopVolume::KdopVolume(const Scene& scene, std::vector<glm::vec3> directions) : 
     origin_ = glm::vec3((glm::dvec3(box.min) + glm::dvec3(box.max)) / 2.0);
     // A percent more, for what hits may be off.
     radius_ = round_up(1.01 * glm::length(glm::max(glm::dvec3(box.max) - glm::dvec3(origin_), glm::dvec3(origin_) - glm::dvec3(box.min))));
-  }
-  basis_ = glm::dmat3(0.0);
-  for (std::size_t i = 0; i < directions_.size(); ++i) {
-    for (std::size_t j = i + 1; j < directions_.size(); ++j) {
-      for (std::size_t k = j + 1; k < directions_.size(); ++k) {
-        const glm::dmat3 rows = glm::transpose(glm::dmat3(directions_[i], directions_[j], directions_[k]));
-        if (!(std::abs(glm::determinant(rows)) > std::abs(glm::determinant(basis_)))) continue;
-        basis_ = rows;
-        basis_slabs_ = {i, j, k};
-      }
-    }
   }
 }
 
@@ -154,44 +112,6 @@ Kdop KdopVolume::merge(const Kdop& a, const Kdop& b) const noexcept {
     both.max[i] = std::max(a.max[i], b.max[i]);
   }
   return both;
-}
-
-KdopVolume::Measure KdopVolume::measure(const Kdop& kdop) const noexcept {
-  // The parallelepiped of three slabs: everything is measured from its middle, and it reaches at least as far as the polytope.
-  glm::dvec3 middle, half;
-  for (glm::length_t a = 0; a < 3; ++a) {
-    const std::size_t slab = basis_slabs_[static_cast<std::size_t>(a)];
-    middle[a] = (double{kdop.max[slab]} + double{kdop.min[slab]}) / 2;
-    half[a] = (double{kdop.max[slab]} - double{kdop.min[slab]}) / 2;
-  }
-  const glm::dmat3 from_slabs = glm::inverse(basis_);
-  const glm::dvec3 center = from_slabs * middle;
-  double reach = 0;
-  for (glm::length_t a = 0; a < 3; ++a) reach += glm::length(from_slabs[a]) * half[a];
-  std::array<glm::dvec3, 2 * kMaxSlabs> normal;
-  std::array<double, 2 * kMaxSlabs> height;
-  const std::size_t faces = 2 * directions_.size();
-  for (std::size_t f = 0; f < faces; ++f) {
-    const glm::dvec3 direction(directions_[f / 2]);
-    normal[f] = f % 2 == 0 ? direction : -direction;
-    height[f] = (f % 2 == 0 ? double{kdop.max[f / 2]} : -double{kdop.min[f / 2]}) - glm::dot(normal[f], center);
-  }
-  Measure polytope;
-  for (std::size_t f = 0; f < faces; ++f) {
-    const glm::dvec3 other = std::abs(normal[f].x) < std::abs(normal[f].y) ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-    const glm::dvec3 x = 4 * reach * glm::normalize(glm::cross(normal[f], other)), y = glm::cross(glm::normalize(normal[f]), x);
-    const glm::dvec3 foot = normal[f] * (height[f] / glm::dot(normal[f], normal[f]));
-    Face face;
-    face.vertex = {foot - x - y, foot + x - y, foot + x + y, foot - x + y};
-    face.count = 4;
-    for (std::size_t g = 0; g < faces && face.count > 0; ++g) {
-      if (g / 2 != f / 2) face.cut(normal[g], height[g]);
-    }
-    const double area = face.area();
-    polytope.area += area;
-    polytope.enclosed += area * height[f] / glm::length(normal[f]) / 3;  // the pyramid from the middle; outside of it heights are negative
-  }
-  return polytope;
 }
 
 KdopLayout::Shared KdopVolume::shared() const noexcept {

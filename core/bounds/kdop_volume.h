@@ -4,10 +4,10 @@
 #include <string_view>
 #include <vector>
 
-#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
 #include "core/bounds/bounding_volume.h"
+#include "core/bounds/kdop_polytope.h"
 
 namespace raymeter {
 
@@ -17,6 +17,7 @@ inline constexpr std::size_t kMaxSlabs = KdopLayout::kMaxSlabs;
 struct Kdop {
   std::array<float, kMaxSlabs> min{};
   std::array<float, kMaxSlabs> max{};
+  bool operator==(const Kdop&) const = default;
 };
 
 /// Bounding slabs over directions that all objects share (Kay, Kajiya 1986; k-DOPs: Klosowski et al. 1998).
@@ -35,8 +36,8 @@ public:
   [[nodiscard]] Kdop fit(const Scene& scene, std::span<const PrimRef> prims) const;
   [[nodiscard]] Kdop merge(const Kdop& a, const Kdop& b) const noexcept;
   /// Of the polytope that the slabs cut out.
-  [[nodiscard]] double half_area(const Kdop& kdop) const noexcept { return measure(kdop).area / 2; }
-  [[nodiscard]] double enclosed(const Kdop& kdop) const noexcept { return measure(kdop).enclosed; }
+  [[nodiscard]] double half_area(const Kdop& kdop) const noexcept { return polytope_.measure(kdop.min, kdop.max).area / 2; }
+  [[nodiscard]] double enclosed(const Kdop& kdop) const noexcept { return polytope_.measure(kdop.min, kdop.max).enclosed; }
 
   [[nodiscard]] std::int32_t floats() const noexcept { return 2 * static_cast<std::int32_t>(directions_.size()); }
   [[nodiscard]] Layout::Shared shared() const noexcept;
@@ -47,19 +48,12 @@ public:
   [[nodiscard]] const glm::vec3& origin() const noexcept { return origin_; }
 
 private:
-  struct Measure {
-    double area = 0;
-    double enclosed = 0;
-  };
-
   KdopVolume(const Scene& scene, std::vector<glm::vec3> directions);
-  [[nodiscard]] Measure measure(const Kdop& kdop) const noexcept;
 
   std::vector<glm::vec3> directions_;
+  KdopPolytope polytope_;
   glm::vec3 origin_{0.0f};
-  float radius_ = 0;                          ///< of all that can be hit, from the origin
-  std::array<std::size_t, 3> basis_slabs_{};  ///< three that enclose as much as any three of one width
-  glm::dmat3 basis_{0.0};                     ///< their directions as rows
+  float radius_ = 0;  ///< of all that can be hit, from the origin
 };
 static_assert(BoundingVolume<KdopVolume>);
 

@@ -2,8 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 
 #include "experiments/scenes/generators.h"
 #include "tests/support/exact_volumes.h"
@@ -132,6 +139,63 @@ TEST(Kdop, AreaIsThatOfItsPolytope) {
   const double finest = area(KdopVolume(scene, 26));
   EXPECT_GT(finest, 4 * 3.14159);
   EXPECT_LT(finest, area(KdopVolume(scene, 18)));
+}
+
+/// Half the area by another way: meets of three planes each, and each face as those that lie on it in the order of their angles.
+double half_area_by_vertices(const KdopVolume& volume, const Kdop& kdop) {
+  std::vector<std::pair<glm::dvec3, double>> planes;
+  double widest = 0;
+  for (std::size_t i = 0; i < volume.directions().size(); ++i) {
+    planes.emplace_back(volume.directions()[i], kdop.max[i]);
+    planes.emplace_back(-volume.directions()[i], -kdop.min[i]);
+    widest = std::max(widest, double{kdop.max[i]} - double{kdop.min[i]});
+  }
+  const double close = 1e-10 * widest;
+  double area = 0;
+  for (std::size_t f = 0; f < planes.size(); ++f) {
+    std::vector<glm::dvec3> corners;
+    glm::dvec3 middle(0.0);
+    for (std::size_t g = 0; g < planes.size(); ++g) {
+      for (std::size_t h = g + 1; h < planes.size(); ++h) {
+        const glm::dmat3 rows = glm::transpose(glm::dmat3(planes[f].first, planes[g].first, planes[h].first));
+        if (std::abs(glm::determinant(rows)) < 1e-9) continue;
+        const glm::dvec3 at = glm::inverse(rows) * glm::dvec3(planes[f].second, planes[g].second, planes[h].second);
+        if (!std::ranges::all_of(planes, [&](const auto& plane) { return glm::dot(plane.first, at) <= plane.second + close; })) continue;
+        corners.push_back(at);
+        middle += at;
+      }
+    }
+    if (corners.size() < 3) continue;
+    middle /= static_cast<double>(corners.size());
+    const glm::dvec3 normal = glm::normalize(planes[f].first);
+    const glm::dvec3 x = glm::normalize(glm::cross(normal, std::abs(normal.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0))), y = glm::cross(normal, x);
+    const auto angle = [&](const glm::dvec3& at) { return std::atan2(glm::dot(at - middle, y), glm::dot(at - middle, x)); };
+    std::ranges::sort(corners, {}, angle);
+    for (std::size_t k = 0; k < corners.size(); ++k) area += glm::dot(normal, glm::cross(corners[k] - middle, corners[(k + 1) % corners.size()] - middle)) / 2;
+  }
+  return area / 2;
+}
+
+TEST(Kdop, AreaIsThatOfThePolytopesVertices) {
+  Random random(11);
+  for (const std::size_t layers : {5U, 2U, 1U}) {  // of a grid, where many planes go through the same corners and edges
+    for (const int k : {6, 8, 12, 14, 18, 20, 26}) {
+      const KdopVolume volume(Scene(), k);
+      for (int i = 0; i < 200; ++i) {
+        Kdop kdop;
+        kdop.min.fill(std::numeric_limits<float>::infinity());
+        kdop.max.fill(-std::numeric_limits<float>::infinity());
+        for (std::size_t point = 0; point < 2 + random.below(5); ++point) {
+          const glm::vec3 at(random.below(9), random.below(9), random.below(layers));
+          for (std::size_t s = 0; s < volume.directions().size(); ++s) {
+            kdop.min[s] = std::min(kdop.min[s], glm::dot(volume.directions()[s], at));
+            kdop.max[s] = std::max(kdop.max[s], glm::dot(volume.directions()[s], at));
+          }
+        }
+        EXPECT_NEAR(volume.half_area(kdop), half_area_by_vertices(volume, kdop), 1e-7) << "k " << k << ", layers " << layers << ", " << i;
+      }
+    }
+  }
 }
 
 TEST(Kdop, DirectionsThatDoNotSpanSpaceAreErrors) {
