@@ -215,16 +215,20 @@ TEST(Builders, EndOnHardInputsWithAnyVolumeAndTraversal) {
     const RayBatch rays = test::random_rays(40, 4);
     HitBatch expected, found;
     trace_closest(*list.build(scene, {}, 1)->intersector({Isa::scalar, 1, {}}), rays, expected, 1);
-    std::vector<std::string> techniques;  // Goldsmith-Salmon alone builds by the volume
-    for (const char* volume : {"sphere", "obb,traversal=heap", "kdop,k=6,traversal=heap"}) {
-      for (const char* builder : {"binned_sah", "goldsmith_salmon"}) techniques.push_back(std::string("bvh:builder=") + builder + ",volume=" + volume);
-    }
-    for (const std::string_view builder : bvh_builder_names()) techniques.push_back("bvh:traversal=beam,builder=" + std::string(builder));
-    for (const std::string& technique : techniques) {
-      SCOPED_TRACE(scene.name + ", " + technique);
-      const TechniqueSpec spec = parse_technique(technique);
-      const auto structure = spec.structure->build(scene, spec.params, 2);
-      trace_closest(*structure->intersector({Isa::scalar, 4, spec.params}), rays, found, 1);
+    for (const std::string_view builder : bvh_builder_names()) {
+      for (const char* volume : {"sphere", "aabb", "obb", "kdop"}) {
+        const std::string technique = "bvh:builder=" + std::string(builder) + ",volume=" + volume;
+        const TechniqueSpec spec = parse_technique(technique);
+        const auto structure = spec.structure->build(scene, spec.params, 2);
+        for (const char* traversal : {",traversal=packet", ",traversal=heap"}) {
+          SCOPED_TRACE(scene.name + ", " + technique + traversal);
+          trace_closest(*structure->intersector({Isa::scalar, 4, parse_technique(technique + traversal).params}), rays, found, 1);
+          EXPECT_TRUE(bits_equal(found, expected));
+        }
+      }
+      SCOPED_TRACE(scene.name + ", beam, " + std::string(builder));
+      const TechniqueSpec spec = parse_technique("bvh:traversal=beam,builder=" + std::string(builder));
+      trace_closest(*spec.structure->build(scene, spec.params, 2)->intersector({Isa::scalar, 4, spec.params}), rays, found, 1);
       EXPECT_TRUE(bits_equal(found, expected));
     }
   }
