@@ -22,11 +22,12 @@ using Range = tbb::blocked_range<std::size_t>;
 constexpr std::size_t kGrain = 4096;
 constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
 
-/// Roundings that a grid adds to those of the primitive (8): 3 of the crossing, and 1 to spare. grid_walk_kernel.h has the proof.
-constexpr double kGridError = 12 * double{kUnitRoundoff};
+/// How far a hit may lie off its primitive's box and the ray's cell together, relative to its distance from the origin: 3 roundings of the crossing, and 1 to
+/// spare. grid_walk_kernel.h has the proof.
+constexpr double kGridError = double{kPrimitiveError} + 4 * double{kUnitRoundoff};
 /// Rays that start up to this many extents away always use the grid.
 constexpr double kLeastReach = 8;
-/// A list reaches this share of a cell beyond it; rays may then start some two thousand cells away.
+/// A list reaches this share of a cell beyond it; rays may then start some sixteen hundred cells away.
 constexpr double kMarginCells = 1.0 / 512;
 
 struct Bounds {

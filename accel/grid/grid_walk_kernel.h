@@ -4,15 +4,15 @@
 // (plane - org) * inv_dir, never accumulated, so that it does not drift; and every lane steps on its own by vector arithmetic.
 //
 // Why no hit is lost. Let u be the unit roundoff and P = org + t dir a hit on a primitive at distance |P - org| along axis a. error_bounds.h puts P within
-// 8u (|P - org| + magnitude) of the primitive's box; the padded box covers the magnitude's part. Let T(i) be the computed crossing of plane i: a subtraction, a
+// 16u (|P - org| + extent) of the primitive's box; the padded box covers the extent's part. Let T(i) be the computed crossing of plane i: a subtraction, a
 // reciprocal and a product, so 3u relative. T does not decrease along the ray, since each of the operations is monotonic.
 //   1. enter() finds a cell with T(its entry plane) <= t_start <= T(its exit plane) on every axis; a border cell has no outer planes, and a lane whose
 //   direction
 //      is 0 none to cross: 0 * inf is NaN and (plane - org) * inf has the sign that keeps a lane in the cell that it is in.
 //   2. A step goes over the plane of the smallest T, which lies not before any entry; so a ray that stands in a cell from time T1 to T2 has
 //      T(entry plane) <= T1 <= T2 <= T(exit plane) on every axis, and these spans cover [t_start, t_end] without a gap, ends included.
-//   3. So when the ray stands at the hit's t, P lies on every axis within 3u |P - org| of the cell, and the primitive's padded box within 12u |P - org|, with
-//      1u to spare for products of these errors. The lists reach `margin` beyond their cell, and |P - org| <= margin / 12u wherever |org - center| <= reach.
+//   3. So when the ray stands at the hit's t, P lies on every axis within 3u |P - org| of the cell, and the primitive's padded box within 19u |P - org|, with
+//      1u to spare for products of these errors. The lists reach `margin` beyond their cell, and |P - org| <= margin / 20u wherever |org - center| <= reach.
 //   4. A ray leaves only when the next crossing is beyond its nearest hit (equality goes on) or beyond t_end: that of the box of all hits, or of the cell
 //      that holds this grid. A grid inside a cell is entered when the ray enters the cell, so that its spans cover that cell's.
 // Rays that 3 does not serve, whose origin is out of reach or a component of whose direction or its reciprocal is denormal, are tested against everything.

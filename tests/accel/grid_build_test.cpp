@@ -6,6 +6,7 @@
 #include "accel/grid/grid_build.h"
 #include "accel/grid/grid_resolution.h"
 #include "accel/registry.h"
+#include "core/geometry/error_bounds.h"
 #include "experiments/scenes/scene_source.h"
 
 namespace raymeter {
@@ -209,6 +210,22 @@ TEST(GridBuild, ListsBoxesThatTouchAPlaneAsAsked) {
   EXPECT_EQ(lists("begin", 3), (Prims{3, 4}));
   EXPECT_EQ(lists("end", 3), (Prims{2, 3}));
   EXPECT_EQ(lists("all", 3), (Prims{2, 3, 4}));
+}
+
+TEST(GridBuild, MarginsHoldWhatKernelsMayErrForAllRaysThatUseTheGrid) {
+  for (const char* spec : {"spd:balls:2", "gen:terrain:500", "spd:tree:3"}) {
+    const Scene scene = load_scene(spec);
+    for (const char* resolution : {"8x8x8", "100x300x500"}) {
+      SCOPED_TRACE(std::string(spec) + " " + resolution);
+      const UniformGrid grid = grid_of(scene, resolution);
+      for (std::size_t a = 0; a < 3; ++a) {
+        if (grid.frame.resolution[a] == 1) continue;  // such an axis has no planes
+        // By the contract and three roundings of a crossing, from the farthest origin to the far side of the box of all hits.
+        const double farthest = double{grid.frame.reach[a]} + 0.5 * (double{grid.frame.box[a + 3]} - double{grid.frame.box[a]});
+        EXPECT_GE(grid.margin[a], (double{kPrimitiveError} + 3 * double{kUnitRoundoff}) * farthest);
+      }
+    }
+  }
 }
 
 }  // namespace
