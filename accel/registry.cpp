@@ -7,21 +7,24 @@
 #include <string>
 
 #include "accel/bvh/bvh.h"
+#include "accel/embree/embree.h"
 #include "accel/grid/grid.h"
 #include "accel/grid/recursive_grid.h"
 #include "accel/kdtree/kdtree.h"
 #include "accel/list/list.h"
+#include "accel/octree/octree.h"
 #include "accel/ray_classification/ray_classification.h"
 #include "accel/shadow_cache/shadow_cache.h"
-#include "accel/octree/octree.h"
 #include "accel/zbuffer/zbuffer.h"
 
 namespace raymeter {
 
 namespace {
 
-// THE tables: a new technique is one folder and one row here.
-constexpr std::array kStructures{kListEntry, kBvhEntry, kGridEntry, kRecursiveGridEntry, kKdTreeEntry, kBspEntry, kRayClassificationEntry, kOctreeEntry};
+// THE tables: a new technique is one folder and one row here. Peers stand last.
+constexpr std::array kStructures{kListEntry,  kBvhEntry, kGridEntry, kRecursiveGridEntry, kOctreeEntry, kKdTreeEntry, kBspEntry, kRayClassificationEntry,
+                                 kEmbreeEntry};
+constexpr auto kOwnStructures = static_cast<std::size_t>(std::ranges::count(kStructures, false, &StructureEntry::peer));
 constexpr std::array kFirstHits{kCastEntry, kZbufferEntry};
 constexpr std::array kOcclusions{kNoneEntry, kShadowCacheEntry};
 
@@ -115,11 +118,12 @@ void choose_default(Chosen<Row>& slot, std::span<const Row> rows) {
 
 }  // namespace
 
-std::span<const StructureEntry> structures() noexcept { return kStructures; }
+std::span<const StructureEntry> structures() noexcept { return std::span(kStructures).first<kOwnStructures>(); }
+std::span<const StructureEntry> structures_and_peers() noexcept { return kStructures; }
 std::span<const FirstHitEntry> first_hits() noexcept { return kFirstHits; }
 std::span<const OcclusionEntry> occlusions() noexcept { return kOcclusions; }
 
-const StructureEntry& structure_entry(std::string_view name) { return row_named(structures(), name); }
+const StructureEntry& structure_entry(std::string_view name) { return row_named(structures_and_peers(), name); }
 const FirstHitEntry& first_hit_entry(std::string_view name) { return row_named(first_hits(), name); }
 const OcclusionEntry& occlusion_entry(std::string_view name) { return row_named(occlusions(), name); }
 
@@ -128,13 +132,16 @@ std::vector<TechniqueInfo> techniques() {
   const auto add = [&](std::string_view slot, const auto& rows) {
     for (const auto& row : rows) all.push_back({slot, row.name, row.summary, row.source, row.params});
   };
-  add("structure", structures());
+  add("structure", structures_and_peers());
   add("first_hit", first_hits());
   add("occlusion", occlusions());
   return all;
 }
 
-TechniqueInfo technique_info(std::string_view name) { return row_named(techniques(), name); }
+TechniqueInfo technique_info(std::string_view name) {
+  if (name.starts_with('+')) name.remove_prefix(1);  // as it stands behind a structure
+  return row_named(techniques(), name);
+}
 
 TechniqueSpec parse_technique(std::string_view text) {
   std::string_view rest = text;
@@ -151,7 +158,7 @@ TechniqueSpec parse_technique(std::string_view text) {
       choose(spec.first_hit, first_hits(), slot);
     } else if (has_row(occlusions(), slot.name)) {
       choose(spec.occlusion, occlusions(), slot);
-    } else if (has_row(structures(), slot.name)) {
+    } else if (has_row(structures_and_peers(), slot.name)) {
       throw Error(std::string(slot.name) + ": stands in the same slot as " + std::string(structure.name));
     } else {
       (void)technique_info(slot.name);  // throws

@@ -12,6 +12,8 @@ namespace raymeter {
 
 /// The tables of the slots, in the order of reports. The first row of first_hits() and of occlusions() is what a technique has that names none.
 [[nodiscard]] std::span<const StructureEntry> structures() noexcept;
+/// The same with the peers from outside behind them, whose answers are listed beside ours and not held to our conventions.
+[[nodiscard]] std::span<const StructureEntry> structures_and_peers() noexcept;
 [[nodiscard]] std::span<const FirstHitEntry> first_hits() noexcept;
 [[nodiscard]] std::span<const OcclusionEntry> occlusions() noexcept;
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -63,6 +64,10 @@ struct StructureEntry {
   std::unique_ptr<Structure> (*build)(const Scene& scene, const ParamValues& values, int threads);
   /// Adds to a build's figures those that take as long as another build, or longer, to find; null where there are none.
   void (*add_quality)(const Scene& scene, const ParamValues& values, int threads, BuildStats& stats) = nullptr;
+  /// From outside: answers by its own conventions, counts nothing.
+  bool peer = false;
+  /// Why it cannot serve a scene on an instruction set, or is not in this build at all; empty where it can. Null: it always can.
+  std::string (*why_not)(const Scene& scene, Isa isa) = nullptr;
 };
 
 /// What a technique's Params give the table.

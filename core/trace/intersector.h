@@ -2,11 +2,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 #include "core/ray/views.h"
 #include "core/stats/counters.h"
 
 namespace raymeter {
+
+/// Stands for a blocker that a peer does not name.
+inline constexpr std::int32_t kUnknownBlocker = 0x7FFFFFFF;
 
 /// Answers ray queries on one built structure, for one instruction set and packet size. The only virtual seam of the tracer: one call per slice of a batch.
 /// Calls on different slices may run at the same time; no state may depend on which thread runs which.
@@ -20,6 +24,8 @@ public:
   /// `first` on, views of the columns that were prepared, stands for the rays order()[first] .. order()[first + count - 1]: a call answers those, each in its
   /// own place of the batch, so that packets may gather rays from anywhere. All is answered when all slices have been called.
   [[nodiscard]] virtual const std::int32_t* order() const noexcept { return nullptr; }
+  /// What prepare() settled on for such a query by looking at the rays, as "key=value,..."; empty where there was nothing to settle.
+  [[nodiscard]] virtual std::string choice(Query) const { return {}; }
   /// Scratch space that a slice needs, in bytes.
   [[nodiscard]] virtual std::size_t scratch_bytes() const noexcept { return 0; }
   /// Nearest hit of each ray, ties to the smallest primitive id. Counters null: the timed kernel; given: the counting one. `scratch` is 64-byte aligned.

@@ -77,6 +77,7 @@ CheckRecord check_from_json(const nlohmann::json& json) {
                      json.at("threads"),
                      json.at("hit_hash"),
                      optional_value<std::int64_t>(json.at("hit_mismatch")),
+                     json.value("choice", ""),
                      std::nullopt,
                      std::nullopt,
                      std::nullopt,
@@ -119,6 +120,7 @@ Json to_json(const CheckRecord& record) {
             {"threads", record.threads},
             {"hit_hash", record.hit_hash},
             {"hit_mismatch", optional_json(record.hit_mismatch)},
+            {"choice", record.choice},
             {"counters", record.counters ? to_json(*record.counters) : Json(nullptr)},
             {"accuracy", record.accuracy ? to_json(*record.accuracy) : Json(nullptr)}};
   if (record.frame) json["frame"] = to_json(*record.frame);

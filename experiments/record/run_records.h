@@ -74,6 +74,7 @@ struct CheckRecord {
   int threads = 1;       ///< that ran, "all" resolved
   std::string hit_hash;  ///< of hits or pixels, or of which rays are blocked; empty where not traced
   std::optional<std::int64_t> hit_mismatch;
+  std::string choice;  ///< what the technique settled on by looking at the rays, see Intersector
   std::optional<Counters> counters;
   std::optional<AccuracyRecord> accuracy;
   std::optional<FrameRecord> frame;  ///< of images

@@ -32,11 +32,13 @@ Row key_fields(const Source& source, const Experiment& e, std::string_view phase
   return {cell_id(e, source.records),
           e.scene.name,
           scene != nullptr ? std::to_string(scene->num_prims) : "",
-          e.general ? "all" : scene != nullptr ? scene->needs : "",
+          e.general          ? "all"
+          : scene != nullptr ? scene->needs
+                             : "",
           e.rays.name,
           std::string(phase),
           std::string(e.structure->name),
-          params_text(e.params),
+          params_text(e.params) + (check != nullptr && !check->choice.empty() ? "; " + check->choice : ""),
           technique_text(e.first_hit),
           technique_text(e.occlusion),
           std::to_string(e.max_depth),

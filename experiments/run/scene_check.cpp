@@ -61,13 +61,13 @@ void SceneRun::check_ray_sets(std::span<Live* const> group) {
   }
 }
 
-/// `list`, where that is affordable; else the first structure of the scene's cells that is another.
+/// `list`, where that is affordable; else the first structure of the scene's cells that is another, and no peer.
 std::unique_ptr<Intersector> SceneRun::reference_for(const Experiment& cell, double rays) {
   constexpr int kPacket = 16;
   if (rays * scene_->prim_count() > context_.config.verify.max_tests) {
     for (const Live& live : live_) {
       const Experiment& other = *live.cell;
-      if (other.structure->name != "list") return structures_.at(build_text(other))->intersector({cell.isa, kPacket, other.params});
+      if (other.structure->name != "list" && !other.structure->peer) return structures_.at(build_text(other))->intersector({cell.isa, kPacket, other.params});
     }
   }
   return list_->intersector({cell.isa, kPacket, {}});
@@ -88,8 +88,12 @@ void SceneRun::check_ray_set(Live& live, const Verification& verification) {
   }
   const PassTime time = run_pass(live.tracers(), *live.rays, cell.threads, answers_, &*record.counters);
   live.spent_s += time.trace_ms * 1e-3;
-  if (const auto* made = dynamic_cast<const OnDemand*>(live.intersector.get())) record.demand = {time.prepare_ms, made->demand()};
-  const Verdicts verdicts = verification.judge(answers_);
+  // Behind another slot the structure sees other batches than the cell's.
+  const auto* const made = live.first_hit || live.occlusion ? nullptr : dynamic_cast<const OnDemand*>(live.intersector.get());
+  if (made != nullptr) record.demand = {time.prepare_ms, made->demand()};
+  record.choice = live.intersector->choice(answers_.kind == Answers::Kind::any ? Query::any : Query::closest);
+  if (cell.structure->peer) record.counters.reset();
+  const Verdicts verdicts = cell.structure->peer ? verification.judge_peer(answers_) : verification.judge(answers_);
   record.hit_hash = hex_text(answers_.hash());
   record.hit_mismatch = verdicts.mismatches;
   record.hits = answers_.hit_count();

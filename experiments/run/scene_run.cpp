@@ -44,6 +44,7 @@ void SceneRun::run() {
   skip_missing_isas();
   if (std::none_of(cells_.begin(), cells_.end(), [&](const Experiment& cell) { return unfinished(cell); })) return;
   load();
+  skip_what_cannot_serve();
   build_all();
   if (context_.stop.requested()) return;
   make_ray_sets();
@@ -67,6 +68,16 @@ void SceneRun::skip_missing_isas() {
   for (const Experiment& cell : cells_) {
     if (!unfinished(cell) || available(cell.isa)) continue;
     end(cell, Status::skipped, fmt::format("this machine has no {}", name(cell.isa)));
+  }
+}
+
+void SceneRun::skip_what_cannot_serve() {
+  for (const Experiment& cell : cells_) {
+    if (!unfinished(cell)) continue;
+    if (cell.structure->why_not != nullptr) {
+      if (const std::string why = cell.structure->why_not(*scene_, cell.isa); !why.empty()) end(cell, Status::skipped, why);
+    }
+    if (cell.structure->peer && cell.rays.image() && unfinished(cell)) end(cell, Status::skipped, "a peer's images differ in their last bits");
   }
 }
 

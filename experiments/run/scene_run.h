@@ -59,6 +59,7 @@ private:
   };
 
   void skip_missing_isas();
+  void skip_what_cannot_serve();
   void load();
   void build_all();
   void build(const std::string& build, std::span<const Experiment* const> cells);

@@ -51,4 +51,21 @@ Verdicts Verification::judge(const Answers& answers) const {
   return verdicts;
 }
 
+Verdicts Verification::judge_peer(const Answers& answers) const {
+  Verdicts verdicts;
+  Accuracy& accuracy = verdicts.accuracy.emplace();
+  if (answers.kind == Answers::Kind::closest && oracle_ != nullptr) accuracy = ask_oracle(rays_.rays, answers);
+  const bool closest = answers.kind == Answers::Kind::closest;
+  const Column<std::int32_t>& theirs = closest ? answers.hits.prim : answers.blocker;
+  const Column<std::int32_t>& ours = closest ? reference_.hits.prim : reference_.blocker;
+  accuracy.rays_checked = static_cast<std::int64_t>(theirs.size());
+  accuracy.false_miss = accuracy.false_hit = 0;
+  for (std::size_t i = 0; i < theirs.size(); ++i) {
+    accuracy.false_miss += theirs[i] < 0 && ours[i] >= 0;
+    accuracy.false_hit += theirs[i] >= 0 && ours[i] < 0;
+  }
+  verdicts.mismatches = accuracy.mismatches();
+  return verdicts;
+}
+
 }  // namespace raymeter
