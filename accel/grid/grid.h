@@ -29,28 +29,27 @@ struct GridParams {
               0,
               0,
               {"begin", "end", "all"}},
-        Field{"mailbox", &GridParams::mailbox, "test no primitive twice for one ray", 0, 0, {}, ParamUse::query},
+        Field{"mailbox", &GridParams::mailbox, "test hardly any primitive twice for one ray", 0, 0, {}, ParamUse::query},
         Field{"traversal", &GridParams::traversal, "lanes step each on its own, or packets go slice by slice", 0, 0, {"lanes", "slices"}, ParamUse::query},
-        Field{"start",
-              &GridParams::start,
-              "where a ray begins to walk: at its t_min, or at its origin as programs do that only leave out near hits",
-              0,
-              0,
-              {"t_min", "origin"},
-              ParamUse::query},
+        where<GridParams>([](const GridParams& p) { return p.traversal == "lanes"; },
+                          Field{"start",
+                                &GridParams::start,
+                                "where a ray begins to walk: at its t_min, or at its origin as programs do that only leave out near hits",
+                                0,
+                                0,
+                                {"t_min", "origin"},
+                                ParamUse::query}),
     };
   }
 };
 
-/// All parameters, or Error where two of them contradict each other.
-[[nodiscard]] ParamValues resolve_grid(const ParamValues& values);
 [[nodiscard]] std::unique_ptr<Structure> build_grid(const Scene& scene, const ParamValues& values, int threads);
 
 inline constexpr StructureEntry kGridEntry{"grid",
                                            "uniform grid, traversed cell by cell (3D-DDA)",
                                            "Fujimoto, Tanaka, Iwata 1986; Amanatides, Woo 1987; Cleary, Wyvill 1988",
                                            param_infos<GridParams>,
-                                           resolve_grid,
+                                           resolve_params<GridParams>,
                                            build_grid};
 
 }  // namespace raymeter

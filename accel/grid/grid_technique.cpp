@@ -34,12 +34,6 @@ private:
 
 }  // namespace
 
-ParamValues resolve_grid(const ParamValues& values) {
-  const auto params = bind<GridParams>(values);
-  if (params.traversal == "slices" && params.start == "origin") throw Error("start: origin needs traversal=lanes, got slices");
-  return resolved(params);
-}
-
 std::unique_ptr<Structure> build_grid(const Scene& scene, const ParamValues& values, int threads) {
   return std::make_unique<Grid>(build_uniform_grid(scene, bind<GridParams>(values), threads));
 }

@@ -21,7 +21,8 @@ struct ZbufferParams {
               0,
               0,
               {"list", "seed", "final"}},
-        Field{"resolution", &ZbufferParams::resolution, "the z-buffer's samples for each of the image's, along an axis; not used by list", 0.25, 8},
+        where<ZbufferParams>([](const ZbufferParams& p) { return p.mode != "list"; },
+                             Field{"resolution", &ZbufferParams::resolution, "the z-buffer's samples for each of the image's, along an axis", 0.25, 8}),
     };
   }
 };
