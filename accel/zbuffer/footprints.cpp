@@ -9,8 +9,9 @@
 // Spheres and cones: a hit lies within kSurfaceError (|P - org| + size) of the surface. So the ray meets the sphere grown by that, or the hull of the two
 // spheres around a cone's ends, and their silhouettes bound the samples.
 //
-// Depth: P is outside the primitive's box by no more than kPrimitiveError (|P - org| + extent) on each axis, a triangle's t within 28 u times its farthest
-// vertex of the depth of a point of it: less than 64 u times the farthest corner, with what comparing depths loses.
+// Depth: P is outside the primitive's box by no more than kPrimitiveError (|P - org| + extent) on each axis; across the axes that is 16 u (1 + 2 sqrt(3)) times
+// the farthest corner, since no extent exceeds twice that; a triangle's t is within 28 u times its farthest vertex of the depth of a point of it. Both are less
+// than 96 u times the farthest corner, with what comparing depths loses.
 //
 // The plane of a triangle's depth: 1 / depth at a sample is a mean, by those weights, of the vertices' as the kernel sees them, 16 * 10 u off at the most; so
 // it is that of the projected triangle's plane within epsilon of the sample, and t adds the 28 u. A polygon's t is that of the plane through its vertex 0 with

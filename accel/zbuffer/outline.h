@@ -30,8 +30,8 @@ struct Reach {
   double distance = 0;
 
   /// The least depth that a kernel may report.
-  [[nodiscard]] double least() const noexcept { return near - 64 * kRoundoff * distance; }
-  [[nodiscard]] bool behind() const noexcept { return far + 64 * kRoundoff * distance < 0; }
+  [[nodiscard]] double least() const noexcept { return near - 96 * kRoundoff * distance; }
+  [[nodiscard]] bool behind() const noexcept { return far + 96 * kRoundoff * distance < 0; }
 };
 
 [[nodiscard]] inline Reach reach_of(const ImagePlane& plane, const Aabb& box) noexcept {
