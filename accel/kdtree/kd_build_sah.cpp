@@ -142,8 +142,8 @@ public:
   BinnedSearch(std::span<const SplitReference> references, const Aabb& cell, const PlaneCost& cost)
       : references_(references), cell_(cell), cost_(cost), bins_(references.size() < 1024 ? 64 : static_cast<int>(kMostBins)) {
     for (glm::length_t a = 0; a < 3; ++a) {
-      const float extent = cell.max[a] - cell.min[a];
-      scale_[a] = extent > 0 ? std::min(static_cast<float>(bins_) / extent, std::numeric_limits<float>::max()) : 0.0f;
+      const double extent = double{cell.max[a]} - double{cell.min[a]};
+      scale_[a] = extent > 0 ? bins_ / extent : 0.0;
     }
   }
 
@@ -163,7 +163,7 @@ public:
 private:
   /// Grows with x, so that a bin holds all events between two coordinates.
   [[nodiscard]] int bin(float x, int axis) const noexcept {
-    return std::clamp(static_cast<int>(std::min((x - cell_.min[axis]) * scale_[axis], static_cast<float>(bins_))), 0, bins_ - 1);
+    return std::clamp(static_cast<int>((double{x} - double{cell_.min[axis]}) * scale_[axis]), 0, bins_ - 1);
   }
 
   [[nodiscard]] Bins counted() const {
@@ -221,7 +221,7 @@ private:
   const Aabb& cell_;
   const PlaneCost& cost_;
   int bins_;
-  glm::vec3 scale_;
+  glm::dvec3 scale_;
 };
 
 Best best_of_few(std::span<const SplitReference> references, const Aabb& cell, const PlaneCost& cost) {

@@ -16,7 +16,9 @@ public:
 
   KdTree run() {
     const std::size_t count = topology_.nodes.size();
-    if (count + 1 > KdNode::kMostLinks) throw Error("the tree has " + std::to_string(count) + " nodes; expected less than 2^29: lower max_depth");
+    if (count + 1 > KdNode::kMostLinks) throw Error("max_depth: the tree has " + std::to_string(count) + " nodes; expected less than 2^29");
+    if (const std::size_t references = topology_.references.size(); references > std::size_t{std::numeric_limits<std::int32_t>::max()})
+      throw Error("reference_budget: the tree has " + std::to_string(references) + " references; expected less than 2^31");
     tree_.nodes.resize(count + 1);
     tree_.refs.reserve(topology_.references.size());
     tree_.nodes[1] = leaf_node(KdNode::kRuns, 0, 0);
