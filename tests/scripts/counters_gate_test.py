@@ -33,7 +33,8 @@ class CountersGateTest(unittest.TestCase):
         self.assertEqual(gate.differences(GOLDEN, counted, {"avx2", "avx512"}), ["spd:balls:2 grid avx2 packet 16 primary: is not in the golden file"])
 
     def test_defaults_do_not_name_a_cell(self) -> None:
-        row = {"scene": "s", "structure": "bvh", "params": "bins=32,max_leaf_size=4", "isa": "avx2", "packet": "1", "rays": "primary"}
+        row = {"scene": "s", "structure": "bvh", "params": "bins=32,max_leaf_size=4", "isa": "avx2", "packet": "1", "rays": "primary",
+               "first_hit": "cast", "occlusion": "none"}
         self.assertEqual(gate.cell_name(row, {"bvh": {"bins": "32", "max_leaf_size": "8"}}), "s bvh:max_leaf_size=4 avx2 packet 1 primary")
 
 
