@@ -15,10 +15,10 @@ struct BeamGroup {
   static constexpr int kRow = kMaxBeams > L::kWidth ? kMaxBeams : L::kWidth;
   Packet<L, kGroups> rays[kMaxBeams];
   Beam beam[kMaxBeams];
-  Beam whole;             ///< around all of them
+  Beam whole;  ///< around all of them
   int count = 0;
-  std::uint32_t alive = 0;  ///< beams with a live ray, as bits
-  alignas(64) float farthest[kRow];  ///< farthest_plane() of each
+  std::uint32_t alive = 0;             ///< beams with a live ray, as bits
+  alignas(64) float farthest[kRow];    ///< farthest_plane() of each
   alignas(64) float at_zero[4][kRow];  ///< their lines low[0], low[1], high[0], high[1]
   alignas(64) float slope[4][kRow];
 

@@ -1,5 +1,6 @@
-// Binned SAH after Wald 2007, "On fast construction of SAH-based bounding volume hierarchies". Nodes are split in place over one array of boxes; large nodes are
-// binned in parallel over fixed chunks, whose bins are merged in order, and subtrees are built in parallel; so the tree is the same on any number of threads.
+// Binned SAH after Wald 2007, "On fast construction of SAH-based bounding volume hierarchies". Nodes are split in place over one array of boxes; large nodes
+// are binned in parallel over fixed chunks, whose bins are merged in order, and subtrees are built in parallel; so the tree is the same on any number of
+// threads.
 
 #include <algorithm>
 #include <array>
@@ -109,7 +110,7 @@ struct BinMapping {
 struct Split {
   float cost = kInf;  // of the children, in half areas times primitives
   int axis = -1;
-  int bin = 0;        // the first bin of the right child
+  int bin = 0;  // the first bin of the right child
 };
 
 class BinnedSah {
@@ -159,9 +160,8 @@ private:
       return sum;
     }
     std::vector<Part> sums(static_cast<std::size_t>(parts), zero);
-    tbb::parallel_for(0, parts, [&](std::int32_t part) {
-      body(sums[static_cast<std::size_t>(part)], first + part * kPart, std::min(last, first + (part + 1) * kPart));
-    });
+    tbb::parallel_for(0, parts,
+                      [&](std::int32_t part) { body(sums[static_cast<std::size_t>(part)], first + part * kPart, std::min(last, first + (part + 1) * kPart)); });
     for (std::size_t part = 1; part < sums.size(); ++part) merge(sums[0], sums[part]);
     return sums[0];
   }

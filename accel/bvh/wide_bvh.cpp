@@ -14,13 +14,14 @@ namespace {
 class WideBvh final : public Structure {
 public:
   WideBvh(const Scene& scene, const Aabb& box, WideTree tree)
-      : tree_(std::move(tree)),
-        pools_(reordered(scene.pools(), tree_.order)),
-        view_{tree_.nodes.data(),   tree_.blocks.data(), tree_.runs.data(), pools_.view(), {box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z},
-              tree_.stack_capacity} {
+      : tree_(std::move(tree)), pools_(reordered(scene.pools(), tree_.order)), view_{tree_.nodes.data(),
+                                                                                     tree_.blocks.data(),
+                                                                                     tree_.runs.data(),
+                                                                                     pools_.view(),
+                                                                                     {box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z},
+                                                                                     tree_.stack_capacity} {
     tree_.order = {};
-    tree_.stats.mem_bytes =
-        sizeof *this + tree_.nodes.bytes() + tree_.blocks.bytes() + tree_.runs.capacity() * sizeof(PrimitiveRun) + pools_.mem_bytes();
+    tree_.stats.mem_bytes = sizeof *this + tree_.nodes.bytes() + tree_.blocks.bytes() + tree_.runs.capacity() * sizeof(PrimitiveRun) + pools_.mem_bytes();
   }
   [[nodiscard]] const BuildStats& stats() const noexcept override { return tree_.stats; }
   [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {

@@ -120,8 +120,10 @@ void WideCuts::list_subtrees() {
     preorder_.push_back(n);
     const BvhTree::Node& node = at(n);
     cut_[static_cast<std::size_t>(n)].first_prim = static_cast<std::int32_t>(order_.size());
-    if (node.child_count == 0) order_.insert(order_.end(), tree_.order.begin() + node.first, tree_.order.begin() + node.first + node.prim_count);
-    else open.insert(open.end(), {node.first + 1, node.first});
+    if (node.child_count == 0)
+      order_.insert(order_.end(), tree_.order.begin() + node.first, tree_.order.begin() + node.first + node.prim_count);
+    else
+      open.insert(open.end(), {node.first + 1, node.first});
     cut_[static_cast<std::size_t>(n)].end_prim = static_cast<std::int32_t>(order_.size());
   }
   for (std::size_t i = preorder_.size(); i-- > 0;) {

@@ -14,7 +14,8 @@ namespace raymeter {
 /// Replaces single children by what they hold, and splits leaves until each fits a leaf of a wide tree: of one kind, no more than a block or `max_leaf_size`.
 void prepare(const Scene& scene, BvhTree& tree, int max_leaf_size);
 
-/// The cheapest cut of each subtree of a binary tree that prepare() went through into at most 1 to 8 roots: leaves and nodes of a wide tree. `tree` must outlive it.
+/// The cheapest cut of each subtree of a binary tree that prepare() went through into at most 1 to 8 roots: leaves and nodes of a wide tree. `tree` must
+/// outlive it.
 class WideCuts {
 public:
   WideCuts(const Scene& scene, const BvhTree& tree, const WideTreeSettings& settings);

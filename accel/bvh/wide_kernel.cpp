@@ -1,6 +1,6 @@
-// Beam traversal of an 8-wide hierarchy, front to back by the octant order of each node: a packet's beam is tested against eight children at once, its rays only
-// at the boxes of leaves, and a leaf's triangles only where the beam meets them. Packets whose rays have no beam in common, or a wide one, test their rays at
-// inner nodes too.
+// Beam traversal of an 8-wide hierarchy, front to back by the octant order of each node: a packet's beam is tested against eight children at once, its rays
+// only at the boxes of leaves, and a leaf's triangles only where the beam meets them. Packets whose rays have no beam in common, or a wide one, test their rays
+// at inner nodes too.
 //
 // Events: node_visit once per inner node, for all live lanes; volume_test per register of rays and box, and per register of children (or beams) where a beam is
 // tested, which counts for no lane but at packet = 1, where the beam is the ray: there a node is eight tests; leaf_visit where a ray meets the leaf's box.
@@ -40,7 +40,8 @@ template <Query Q, class L, int kGroups, class Stats>
 void test_block(const Beam& beam, float farthest, const TriangleBlock& block, const typename L::Mask* lanes, Packet<L, kGroups>& packet, Stats stats) noexcept {
   const float* const column[3] = {block.vertex[0], block.vertex[1], block.vertex[2]};
   const auto test = [&]<bool kExpectHits>(const RayPacket<L>& ray, std::int32_t t) noexcept {
-    return intersect_triangle<L, kExpectHits>(shear(ray, column, block.corner[0][t]), shear(ray, column, block.corner[1][t]), shear(ray, column, block.corner[2][t]));
+    return intersect_triangle<L, kExpectHits>(shear(ray, column, block.corner[0][t]), shear(ray, column, block.corner[1][t]),
+                                              shear(ray, column, block.corner[2][t]));
   };
   using Ray = const RayPacket<L>&;
   using Hit = const HitPacket<L>&;
@@ -176,8 +177,10 @@ private:
       }
     }
     const WideRef child = parent.child[place];
-    if (child.tag() == WideRef::Tag::block) test_block<Q>(group_.beam[p], group_.farthest[p], bvh_.blocks[child.index()], lanes, packet, stats_);
-    else test_run<Q, L, kGroups>(packet, lanes, bvh_.pools, bvh_.runs[child.index()], nullptr, stats_);
+    if (child.tag() == WideRef::Tag::block)
+      test_block<Q>(group_.beam[p], group_.farthest[p], bvh_.blocks[child.index()], lanes, packet, stats_);
+    else
+      test_run<Q, L, kGroups>(packet, lanes, bvh_.pools, bvh_.runs[child.index()], nullptr, stats_);
     group_.update_farthest(p);
   }
   void count_visit(const Packet<L, kGroups>& packet) noexcept {
@@ -213,8 +216,10 @@ void trace(const WideBvhView& bvh, const TraceArgs& args, Stats stats) noexcept 
       group.count = 0;
       for (std::int32_t b = 0; b < count; b += kBeamRays) load_packet(args.rays, first + b, at_most(count - b, kBeamRays), group.rays[group.count++]);
       Walk<Q, L, kGroups, Stats> walk(bvh, stack, group, args.packet == 1, stats);
-      if (group.make_beams(bvh.box)) walk.run(group.alive);
-      else for (std::uint32_t left = group.alive; left != 0; left &= left - 1) walk.run(left & -left);
+      if (group.make_beams(bvh.box))
+        walk.run(group.alive);
+      else
+        for (std::uint32_t left = group.alive; left != 0; left &= left - 1) walk.run(left & -left);
       for (std::int32_t b = 0; b < count; b += kBeamRays) store_packet<Q>(args, first + b, at_most(count - b, kBeamRays), group.rays[b / kBeamRays]);
     }
   });

@@ -17,8 +17,7 @@ struct WideRef {
   std::uint32_t bits = 0;
 
   constexpr WideRef() = default;
-  constexpr WideRef(Tag tag, std::size_t index) noexcept
-      : bits(static_cast<std::uint32_t>(tag) << kIndexBits | static_cast<std::uint32_t>(index)) {}
+  constexpr WideRef(Tag tag, std::size_t index) noexcept : bits(static_cast<std::uint32_t>(tag) << kIndexBits | static_cast<std::uint32_t>(index)) {}
   [[nodiscard]] constexpr Tag tag() const noexcept { return static_cast<Tag>(bits >> kIndexBits); }
   [[nodiscard]] constexpr std::uint32_t index() const noexcept { return bits & ((1u << kIndexBits) - 1); }
 };

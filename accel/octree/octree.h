@@ -26,7 +26,7 @@ struct OctreeParams {
         Field{"split", &OctreeParams::split, "where cells are divided: in the middle, or where each axis expects the least cost", 0, 0, {"center", "cost"}},
         Field{"placement",
               &OctreeParams::placement,
-              "cells that list a primitive: those that its box touches, or those that it touches itself",
+              "cells that list a primitive: those that it touches itself, or those that its box touches",
               0,
               0,
               {"exact", "box"}},

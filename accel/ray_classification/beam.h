@@ -19,9 +19,9 @@ struct CellAddress {
 /// p = p0 + m (z - z0), z >= z0; bounds of p0, z0 and m make four slanted planes, and four upright ones where no ray can turn outwards.
 ///
 /// Padding. A hit that a primitive kernel accepts lies within kSurfaceError of its distance and of the primitive's size beside the primitive, and within
-/// kPrimitiveError of its padded box (error_bounds.h); the ray's start and slopes are known to 80 roundings of way and coordinates (classify_kernel.cpp). Planes
-/// are moved outwards by as much (RaySpace::padding), times one more than their slope: no primitive is left out that a ray of the cell can hit. Polygons are
-/// held by their boxes alone: at grazing incidence their kernel may find t anywhere in there. Double precision adds nothing that counts.
+/// kPrimitiveError of its padded box (error_bounds.h); the ray's start and slopes are known to 80 roundings of way and coordinates (classify_kernel.cpp).
+/// Planes are moved outwards by as much (RaySpace::padding), times one more than their slope: no primitive is left out that a ray of the cell can hit. Polygons
+/// are held by their boxes alone: at grazing incidence their kernel may find t anywhere in there. Double precision adds nothing that counts.
 class Beam {
 public:
   /// `planes` is what changes_at() gives, or all.
@@ -46,7 +46,7 @@ private:
   std::array<Side, 4> sides_;  ///< axis 0 upper, lower, axis 1 upper, lower; bit k of a set of planes
   double start_;               ///< least z, bit 4
   std::array<glm::length_t, 3> world_;
-  double forward_;             ///< z = forward * world coordinate
+  double forward_;  ///< z = forward * world coordinate
 };
 
 }  // namespace raymeter

@@ -2,8 +2,9 @@
 // and its sign; the two slopes. Each coordinate becomes the number of its cell, and the bits of these numbers, in the order of the class' splits, the key.
 //
 // What is lost. The start is on the ray but for rounding, for the padding of the slab test (three times kSlabPadding at most, where the ray begins behind its
-// origin) and for being clamped into the box: off by less than 72 unit roundoffs of the ray's way and of the coordinates; slopes are off by one. Beams are padded by more (beam.h). A ray that is level with the box's face is in a
-// border cell. Where two components of the direction are equally large either axis would do, with a slope of 1 in the last cell.
+// origin) and for being clamped into the box: off by less than 72 unit roundoffs of the ray's way and of the coordinates; slopes are off by one. Beams are
+// padded by more (beam.h). A ray that is level with the box's face is in a border cell. Where two components of the direction are equally large either axis
+// would do, with a slope of 1 in the last cell.
 
 #include "accel/ray_classification/classify_kernel.h"
 

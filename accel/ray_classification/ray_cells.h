@@ -21,7 +21,7 @@ struct ClassifiedScene {
   RayClassificationParams params;
   std::array<std::size_t, kPrimKindCount> first_prim{};  ///< of each kind in `prims`
   std::vector<PrimRef> prims;
-  std::vector<Aabb> boxes;                               ///< padded, of each of `prims`
+  std::vector<Aabb> boxes;  ///< padded, of each of `prims`
   RaySpace space;
 
   [[nodiscard]] const Aabb& box(Candidate candidate) const noexcept {
@@ -56,12 +56,12 @@ private:
     CellAddress address;
     std::int32_t parent = -1;
     std::array<std::int32_t, 2> child{-1, -1};
-    std::int32_t count = 0;                ///< candidates, known also while the list is not kept
-    std::int32_t shrunk_count = 0;         ///< candidates of the ancestor from which on lists have to have shrunk
-    std::int32_t shrunk_depth = 0;         ///< and its depth
-    std::uint32_t used = 0;                ///< the last batch that had rays here
-    bool held = false;                     ///< serves the batch, or may yet
-    std::unique_ptr<Candidate[]> list;     ///< null: not kept
+    std::int32_t count = 0;             ///< candidates, known also while the list is not kept
+    std::int32_t shrunk_count = 0;      ///< candidates of the ancestor from which on lists have to have shrunk
+    std::int32_t shrunk_depth = 0;      ///< and its depth
+    std::uint32_t used = 0;             ///< the last batch that had rays here
+    bool held = false;                  ///< serves the batch, or may yet
+    std::unique_ptr<Candidate[]> list;  ///< null: not kept
   };
   /// Rays [begin, end) of the batch, which are those of a cell.
   struct Share {
@@ -93,15 +93,15 @@ private:
 
   const ClassifiedScene& scene_;
   std::size_t budget_;
-  std::deque<Cell> cells_;          ///< places, some of them free
+  std::deque<Cell> cells_;  ///< places, some of them free
   std::vector<std::int32_t> free_;
   std::array<std::int32_t, kRayClasses> class_cell_;
-  std::size_t bytes_ = 0;           ///< of cells and lists
+  std::size_t bytes_ = 0;  ///< of cells and lists
   std::uint32_t batch_ = 0;
 
   std::array<std::vector<Share>, 64> waiting_;  ///< by the logarithm of rays * candidates
   std::vector<Share> leaves_;
-  std::size_t held_bytes_ = 0;                  ///< of what serves the batch
+  std::size_t held_bytes_ = 0;  ///< of what serves the batch
   std::vector<RayCell> served_;
   Column<std::int32_t> cell_of_rays_;
   DemandStats stats_;

@@ -23,7 +23,7 @@ inline constexpr int kHalfBits = 6;
 struct RayClassFrame {
   float box[6];  ///< around all that can be hit: min x y z, max x y z
   float center[3];
-  float reach[3];  ///< a ray's origin may lie so far from `center`
+  float reach[3];    ///< a ray's origin may lie so far from `center`
   float most_slack;  ///< RayPacket::slab_slack of rays that begin behind their origins, at most: what those within reach can need
   float cells_per_unit[3];
   float last_cell[3];

@@ -27,13 +27,9 @@ ClassifiedScene::ClassifiedScene(const Scene& scene, const RayClassificationPara
         return RaySpace(whole, params);
       }()) {}
 
-std::size_t ClassifiedScene::mem_bytes() const noexcept {
-  return prims.capacity() * sizeof(PrimRef) + boxes.capacity() * sizeof(Aabb) + space.mem_bytes();
-}
+std::size_t ClassifiedScene::mem_bytes() const noexcept { return prims.capacity() * sizeof(PrimRef) + boxes.capacity() * sizeof(Aabb) + space.mem_bytes(); }
 
-RayCells::RayCells(const ClassifiedScene& scene) : scene_(scene), budget_(static_cast<std::size_t>(scene.params.memory_mb * 0x1p20)) {
-  class_cell_.fill(-1);
-}
+RayCells::RayCells(const ClassifiedScene& scene) : scene_(scene), budget_(static_cast<std::size_t>(scene.params.memory_mb * 0x1p20)) { class_cell_.fill(-1); }
 
 std::size_t RayCells::list_bytes(std::int32_t count) noexcept {
   constexpr std::size_t kAllocation = 16;  // what the heap adds, and to what it rounds

@@ -2,8 +2,8 @@
 // the dominant axis; the primitives lie in the structure's own pools. There is nothing to traverse: which cell a ray is in was found for the whole batch
 // (classify_kernel.cpp, ray_order.h), and rays come sorted by cells, so that a packet, gathered from anywhere in the batch, shares one list.
 //
-// Events: leaf_visit once per ray, for its cell; of these empty_leaf_visit where its list is empty; prim_test per candidate that begins before the ray's nearest
-// hit so far. No nodes. Rays that miss the scene's box visit nothing.
+// Events: leaf_visit once per ray, for its cell; of these empty_leaf_visit where its list is empty; prim_test per candidate that begins before the ray's
+// nearest hit so far. No nodes. Rays that miss the scene's box visit nothing.
 //
 // Why no hit is lost. A cell's list holds all primitives that its rays can hit (beam.h). The search ends, and single candidates are passed over, where one
 // begins beyond the nearest hit: by the slab test of its padded box on the dominant axis alone, which is looser than that of the box. Rays of which beams know
@@ -141,8 +141,10 @@ void trace_slice(const RayCellsView& view, const TraceArgs& args, Stats stats) n
       stats.template count<Event::leaf_visit, L>(packet.live(g));
       if (Stats::kCounting && cell.count == 0) stats.template count<Event::empty_leaf_visit, L>(packet.live(g));
     }
-    if (cell.ray_class == kUnclassified) visit_everything<Q>(view, packet, stats);
-    else visit_cell<Q>(view, cell, packet, stats);
+    if (cell.ray_class == kUnclassified)
+      visit_everything<Q>(view, packet, stats);
+    else
+      visit_cell<Q>(view, cell, packet, stats);
     rays.template store<Q>(args, count, packet);
     first += count;
   }

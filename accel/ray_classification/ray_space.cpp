@@ -62,7 +62,8 @@ RaySpace::RaySpace(const Aabb& box, const RayClassificationParams& params) {
   fill_spread();
 }
 
-/// The axis whose cells are widest is halved next: by how much its width spreads the beam, half the scene's depth ahead. In turn: all are taken for equally wide.
+/// The axis whose cells are widest is halved next: by how much its width spreads the beam, half the scene's depth ahead. In turn: all are taken for equally
+/// wide.
 void RaySpace::choose_splits(std::int32_t ray_class, const std::array<double, 3>& extent, const RayClassificationParams& params) {
   const double ahead = extent[static_cast<std::size_t>(world_axis(ray_class, 2))] / 2;
   std::array<double, kRayAxes> width{};

@@ -26,8 +26,7 @@ public:
   Column() = default;
   explicit Column(std::size_t size, T value = T{}) { resize(size, value); }
   Column(const Column& other) { assign(other.data_.get(), other.size_); }
-  Column(Column&& other) noexcept
-      : data_(std::move(other.data_)), size_(std::exchange(other.size_, 0)), capacity_(std::exchange(other.capacity_, 0)) {}
+  Column(Column&& other) noexcept : data_(std::move(other.data_)), size_(std::exchange(other.size_, 0)), capacity_(std::exchange(other.capacity_, 0)) {}
   Column& operator=(Column other) noexcept {
     std::swap(data_, other.data_);
     std::swap(size_, other.size_);
@@ -75,8 +74,10 @@ public:
   }
   void clear() noexcept { size_ = 0; }
   void shrink_to_fit() {
-    if (size_ == 0) *this = Column();
-    else if (capacity_ > size_) grow(size_);
+    if (size_ == 0)
+      *this = Column();
+    else if (capacity_ > size_)
+      grow(size_);
   }
 
   /// Memory held, padding included.
@@ -89,8 +90,10 @@ private:
   struct Free {
     std::size_t mapped = 0;  ///< bytes that came straight from the system; 0: from the heap
     void operator()(T* data) const noexcept {
-      if (mapped > 0) munmap(data, mapped);
-      else ::operator delete(static_cast<void*>(data), kAlignment);
+      if (mapped > 0)
+        munmap(data, mapped);
+      else
+        ::operator delete(static_cast<void*>(data), kAlignment);
     }
   };
   using Data = std::unique_ptr<T[], Free>;

@@ -7,9 +7,9 @@
 // and every volume and cell is made or tested so that it cannot cull such a hit: built boxes grow by kBoundsPadding * extent, and slab intervals by
 // kSlabPadding relative to t. Then pruning never changes an answer. The kernels say why they keep the promise.
 //
-// Accuracy: P is within kSurfaceError * (|P - org| + size) of the surface, here as Euclidean distances, size the diameter of the primitive. A ray that meets the
-// surface may be missed only where moving it by that much could take it off: at silhouettes, rims, outlines and the ends of its interval. Where triangles or
-// polygons share an edge or vertex it is not missed.
+// Accuracy: P is within kSurfaceError * (|P - org| + size) of the surface, here as Euclidean distances, size the diameter of the primitive. A ray that meets
+// the surface may be missed only where moving it by that much could take it off: at silhouettes, rims, outlines and the ends of its interval. Where triangles
+// or polygons share an edge or vertex it is not missed.
 
 namespace raymeter {
 

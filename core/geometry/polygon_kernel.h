@@ -9,8 +9,8 @@
 // the outline grants. Boundary band: kSeenVertexError. A polygon that is seen edge-on, with no area in ray space, is missed.
 
 #include "core/bounds/slab_kernel.h"
-#include "core/ray/ray_packet.h"
 #include "core/geometry/triangle_kernel.h"
+#include "core/ray/ray_packet.h"
 #include "core/scene/pools_view.h"
 
 namespace raymeter {

@@ -1,7 +1,8 @@
 #pragma once
 
 // Ray against sphere, without cancellation near, far and huge: Haines, Guenther, Akenine-Moeller 2019 (Ray Tracing Gems, ch. 7). The discriminant comes from
-// the vector that is perpendicular to the ray at its closest approach; the nearer root is c / q, c in the factored form (|f| - r)(|f| + r), good for huge radii.
+// the vector that is perpendicular to the ray at its closest approach; the nearer root is c / q, c in the factored form (|f| - r)(|f| + r), good for huge
+// radii.
 //
 // Error: an error along the ray of the closest approach (10 roundings of |f| at most) changes the perpendicular only in second order. What remains across the
 // ray is the rounding of f, of the perpendicular and of r^2: 3 roundings of |f| + r. Along the ray, t adds 10 for the far root, and the product of the roots

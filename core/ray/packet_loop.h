@@ -20,8 +20,10 @@ struct Packet {
   std::int32_t runtime_groups;
 
   [[nodiscard]] int group_count() const noexcept {
-    if constexpr (kGroups > 0) return kGroups;
-    else return runtime_groups;
+    if constexpr (kGroups > 0)
+      return kGroups;
+    else
+      return runtime_groups;
   }
   /// The direction signs that all live rays share (0 where none lives), -1 where they differ.
   [[nodiscard]] std::int32_t shared_octant() const noexcept {
@@ -37,7 +39,8 @@ struct Packet {
   [[nodiscard]] typename L::Mask live(int group) const noexcept { return hit[group].t > typename L::Float(-kInfinity); }
 };
 
-/// Loads rays [first, first + count), count <= the register's width. Lanes beyond and invalid rays (NaN anywhere, infinite or zero vectors, t_min > t_max) are dead.
+/// Loads rays [first, first + count), count <= the register's width. Lanes beyond and invalid rays (NaN anywhere, infinite or zero vectors, t_min > t_max) are
+/// dead.
 template <class L>
 inline void load_group(const RayView& rays, std::int32_t first, std::int32_t count, RayPacket<L>& ray, HitPacket<L>& hit) noexcept {
   using Float = typename L::Float;
@@ -100,8 +103,10 @@ inline void load_group(const RayView& rays, std::int32_t first, std::int32_t cou
   ray.octant = 0;
   for (int a = 0; a < 3; ++a) {
     const std::uint32_t negative = L::bits(ray.negative[a]) & live;
-    if (negative != 0 && negative != live) ray.octant = -1;
-    else if (negative != 0 && ray.octant >= 0) ray.octant |= 1 << a;
+    if (negative != 0 && negative != live)
+      ray.octant = -1;
+    else if (negative != 0 && ray.octant >= 0)
+      ray.octant |= 1 << a;
   }
 
   // A t beyond the largest float is no hit: an unbounded ray ends there, so that an overflow to infinity is not taken for one.
@@ -171,8 +176,10 @@ inline void store_packet(const TraceArgs& args, std::int32_t first, std::int32_t
     const std::int32_t begin = first + g * L::kWidth;
     const std::int32_t in_group = count - g * L::kWidth;
     const std::int32_t stored = in_group < L::kWidth ? in_group : L::kWidth;
-    if constexpr (Q == Query::closest) store_closest<L>(args.hits, begin, stored, packet.ray[g], packet.hit[g]);
-    else store_any<L>(args.blocker, begin, stored, packet.hit[g]);
+    if constexpr (Q == Query::closest)
+      store_closest<L>(args.hits, begin, stored, packet.ray[g], packet.hit[g]);
+    else
+      store_any<L>(args.blocker, begin, stored, packet.hit[g]);
   }
 }
 
@@ -192,8 +199,10 @@ inline void for_each_packet(const TraceArgs& args, Traverse&& traverse) noexcept
 /// Calls traverse.operator()<kGroups>() with 1 where a packet fits one register, else 0.
 template <class L, class Traverse>
 inline void with_groups(std::int32_t packet, Traverse&& traverse) noexcept {
-  if (packet <= L::kWidth) traverse.template operator()<1>();
-  else traverse.template operator()<0>();
+  if (packet <= L::kWidth)
+    traverse.template operator()<1>();
+  else
+    traverse.template operator()<0>();
 }
 
 }  // namespace raymeter

@@ -58,9 +58,7 @@ void RayBatch::set(std::size_t i, const Ray& ray) noexcept {
   t_max[i] = ray.t_max;
 }
 
-Ray RayBatch::operator[](std::size_t i) const noexcept {
-  return {{org[0][i], org[1][i], org[2][i]}, t_min[i], {dir[0][i], dir[1][i], dir[2][i]}, t_max[i]};
-}
+Ray RayBatch::operator[](std::size_t i) const noexcept { return {{org[0][i], org[1][i], org[2][i]}, t_min[i], {dir[0][i], dir[1][i], dir[2][i]}, t_max[i]}; }
 
 RayView RayBatch::view(std::size_t first, std::size_t count) const noexcept {
   return {{org[0].data() + first, org[1].data() + first, org[2].data() + first},

@@ -21,13 +21,13 @@ struct RayPacket {
   using Mask = typename L::Mask;
 
   Float org[3];
-  Float dir[3];         ///< scaled by a power of two so that the largest component is in [1, 2): no square or product of it leaves the range
-  Float t_unit;         ///< that power of two: the ray's own t is t_unit times the packet's, exactly
-  Float inv_dir[3];     ///< 1 / dir; infinite where dir is 0, with its sign
-  Mask negative[3];     ///< sign bit of dir
+  Float dir[3];      ///< scaled by a power of two so that the largest component is in [1, 2): no square or product of it leaves the range
+  Float t_unit;      ///< that power of two: the ray's own t is t_unit times the packet's, exactly
+  Float inv_dir[3];  ///< 1 / dir; infinite where dir is 0, with its sign
+  Mask negative[3];  ///< sign bit of dir
   Float t_min;
-  Float slab_slack;     ///< absolute growth of slab intervals: relative growth shrinks them where t < 0, which matters only if t_min < 0
-  Float inv_length2;    ///< 1 / (dir . dir), in (1/12, 1]
+  Float slab_slack;   ///< absolute growth of slab intervals: relative growth shrinks them where t < 0, which matters only if t_min < 0
+  Float inv_length2;  ///< 1 / (dir . dir), in (1/12, 1]
   Float shear[3];
   Float shear_org[3];   ///< org along k[0], k[1], k[2]
   Mask axis_is_y;       ///< k[2] == 1
@@ -36,7 +36,8 @@ struct RayPacket {
   std::int32_t octant;  ///< sign bits of dir where they are the same in all lanes, else -1
 };
 
-/// The nearest hit so far, in the packet's t. It holds the end of the ray's interval until something is met; a dead lane has t = -inf, which no test can get below.
+/// The nearest hit so far, in the packet's t. It holds the end of the ray's interval until something is met; a dead lane has t = -inf, which no test can get
+/// below.
 template <class L>
 struct HitPacket {
   typename L::Float t;
@@ -57,8 +58,7 @@ struct SurfaceHit {
 /// Lanes whose hit `candidate` improves: inside [t_min, hit.t], and on equal t the smaller id.
 template <class L>
 inline typename L::Mask improves(const RayPacket<L>& ray, const HitPacket<L>& hit, const SurfaceHit<L>& candidate, std::int32_t prim) noexcept {
-  return candidate.meets & (candidate.t >= ray.t_min) &
-         ((candidate.t < hit.t) | ((candidate.t == hit.t) & L::less(typename L::Int(prim), hit.prim)));
+  return candidate.meets & (candidate.t >= ray.t_min) & ((candidate.t < hit.t) | ((candidate.t == hit.t) & L::less(typename L::Int(prim), hit.prim)));
 }
 
 /// The only place where a hit changes.

@@ -147,8 +147,10 @@ void Scene::add_cone(const glm::dvec3& base, double base_radius, const glm::dvec
 
 void Scene::set_material(const Material& material) {
   if (!materials_.empty() && materials_.back().material == material) return;
-  if (!materials_.empty() && materials_.back().first_prim == prim_id_count()) materials_.back().material = material;
-  else materials_.push_back({prim_id_count(), material});
+  if (!materials_.empty() && materials_.back().first_prim == prim_id_count())
+    materials_.back().material = material;
+  else
+    materials_.push_back({prim_id_count(), material});
 }
 
 void Scene::begin_object(std::string object_name, const glm::dmat4& to_world) {
@@ -176,9 +178,7 @@ void Scene::reserve(PrimKind kind, std::size_t count) {
       for (FloatColumns3& vertex : pools_.triangles.vertex) reserve3(vertex, count);
       pools_.triangles.prim.reserve(count);
       break;
-    case PrimKind::polygon:
-      pools_.polygons.prim.reserve(count);
-      break;
+    case PrimKind::polygon: pools_.polygons.prim.reserve(count); break;
     case PrimKind::cone:
       for (FloatColumns3* columns : {&pools_.cones.base, &pools_.cones.axis, &pools_.cones.box_min, &pools_.cones.box_max}) reserve3(*columns, count);
       for (Column<float>& radius : pools_.cones.radius) radius.reserve(count);

@@ -79,8 +79,8 @@ void check_counts(const SourceFile& file, const PlyHeader& header) {
   for (const PlyElement& element : header.elements) {
     const std::size_t least = least_size(element, header.format);
     if (least > 0 && static_cast<std::size_t>(element.count) > left / least) {
-      throw file.error(fmt::format("element {} has {} entries of at least {} bytes, but only {} bytes follow the header", in_quotes(element.name), element.count,
-                                   least, file.bytes.size() - header.data_offset));
+      throw file.error(fmt::format("element {} has {} entries of at least {} bytes, but only {} bytes follow the header", in_quotes(element.name),
+                                   element.count, least, file.bytes.size() - header.data_offset));
     }
   }
 }

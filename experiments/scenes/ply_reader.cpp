@@ -123,7 +123,8 @@ private:
       has[slots.back()] = true;
     }
     for (std::size_t k = 0; k < 3; ++k) {
-      if (element.count > 0 && !has[k]) throw values_.error(fmt::format("element 'vertex' has no property {}; expected numbers x, y and z", in_quotes(kNames[k])));
+      if (element.count > 0 && !has[k])
+        throw values_.error(fmt::format("element 'vertex' has no property {}; expected numbers x, y and z", in_quotes(kNames[k])));
     }
     const bool has_normals = has[3] && has[4] && has[5];
     vertices_.reserve(static_cast<std::size_t>(element.count));

@@ -92,7 +92,10 @@ RaySpace::RaySpace(const Ray& ray) noexcept : org_(point(ray.org)) {
 SeenVertex RaySpace::see(const std::array<float, 3>& vertex) const noexcept {
   const Point to{double{vertex[0]} - org_[0], double{vertex[1]} - org_[1], double{vertex[2]} - org_[2]};
   const double depth = to[axis_[2]];
-  return {to[axis_[0]] - slope_[0] * depth, to[axis_[1]] - slope_[1] * depth, depth / dir_, double{kSeenVertexError} * length(to),
+  return {to[axis_[0]] - slope_[0] * depth,
+          to[axis_[1]] - slope_[1] * depth,
+          depth / dir_,
+          double{kSeenVertexError} * length(to),
           {vertex[0] + 0.0f, vertex[1] + 0.0f, vertex[2] + 0.0f}};
 }
 

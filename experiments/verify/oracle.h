@@ -21,9 +21,9 @@ struct Check {
 ///   - t is inside the ray's closed interval, and org + t dir within delta = kSurfaceError (|P - org| + size) of the named primitive's surface,
 ///     size being the diameter of the sphere about it (error_bounds.h),
 ///   - no other exact hit is nearer, except one so close in front that the primitive reaches to here within its delta.
-/// An exact hit may be lost only where a ray moved by delta could lose it: at silhouettes, rims, borders of surfaces, the ends of the interval; never on an edge
-/// or vertex inside a surface (covering_groups). Invalid rays miss. Ties may go to any of the tied ones: that they go to the smallest id is the tests' affair.
-/// Thread-safe. The scene must outlive it.
+/// An exact hit may be lost only where a ray moved by delta could lose it: at silhouettes, rims, borders of surfaces, the ends of the interval; never on an
+/// edge or vertex inside a surface (covering_groups). Invalid rays miss. Ties may go to any of the tied ones: that they go to the smallest id is the tests'
+/// affair. Thread-safe. The scene must outlive it.
 class Oracle {
 public:
   explicit Oracle(const Scene& scene);

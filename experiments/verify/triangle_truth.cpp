@@ -12,9 +12,7 @@ double segment_distance(const Point& a, const Point& b, const Point& p) noexcept
   return length(along(to, length2 > 0 ? -std::clamp(dot(to, edge) / length2, 0.0, 1.0) : 0.0, edge));
 }
 
-Point cross_product(const Point& a, const Point& b) noexcept {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+Point cross_product(const Point& a, const Point& b) noexcept { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
 
 }  // namespace
 

@@ -56,9 +56,7 @@ struct Quadratic {
   N a, b, c, discriminant;
 
   /// Sign of p + q t at the root (-b + side sqrt(discriminant)) / a, side = -1 or 1.
-  [[nodiscard]] int sign_at(int side, const N& p, const N& q) const {
-    return sign(a) * sign_with_root(N(p * a - q * b), N(side * q), discriminant);
-  }
+  [[nodiscard]] int sign_at(int side, const N& p, const N& q) const { return sign(a) * sign_with_root(N(p * a - q * b), N(side * q), discriminant); }
   [[nodiscard]] double root(int side) const {
     if (sign(discriminant) == 0) return -to_double(b) / to_double(a);
     const double spread = std::sqrt(to_double(discriminant));

@@ -59,9 +59,7 @@ Accuracy verify_rays(const Oracle& oracle, std::size_t rays, double max_tests, s
 
 }  // namespace
 
-bool Accuracy::ok(double hit_mismatch_max) const noexcept {
-  return static_cast<double>(mismatches()) <= hit_mismatch_max * static_cast<double>(rays_checked);
-}
+bool Accuracy::ok(double hit_mismatch_max) const noexcept { return static_cast<double>(mismatches()) <= hit_mismatch_max * static_cast<double>(rays_checked); }
 
 Accuracy verify_closest(const Oracle& oracle, const RayBatch& rays, const HitBatch& hits, double max_tests, std::uint64_t seed, int threads) {
   return verify_rays(oracle, rays.size(), max_tests, seed, threads, [&](std::size_t i) { return oracle.closest(rays[i], hits.t[i], hits.prim[i]); });

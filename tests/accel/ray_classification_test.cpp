@@ -74,9 +74,10 @@ RayBatch adversarial_rays(const Scene& scene, std::size_t count, std::uint64_t s
       }
     }
     if (random.below(50) == 0) org *= 100;
-    const glm::dvec3 dir = random.below(4) == 0 ? test::point_of(scene, scene.prim(static_cast<std::int32_t>(random.below(
-                                                                            static_cast<std::size_t>(scene.prim_id_count())))), random) - org
-                                                : hard_direction(random);
+    const glm::dvec3 dir =
+        random.below(4) == 0
+            ? test::point_of(scene, scene.prim(static_cast<std::int32_t>(random.below(static_cast<std::size_t>(scene.prim_id_count())))), random) - org
+            : hard_direction(random);
     rays.push_back(test::make_ray(org, dir));
   }
   return rays;

@@ -35,8 +35,8 @@ Scene hills(int n, double size, const glm::dvec3& corner) {
   return scene;
 }
 
-/// Rays in tiles of 64 that have a slim beam, each at a vertex, at points of its two edges and between: from an eye, from the surface to a light (they converge),
-/// parallel ones, and ones along an axis, where two components of the direction are zero of either sign.
+/// Rays in tiles of 64 that have a slim beam, each at a vertex, at points of its two edges and between: from an eye, from the surface to a light (they
+/// converge), parallel ones, and ones along an axis, where two components of the direction are zero of either sign.
 RayBatch beams(int n, double size, const glm::dvec3& corner) {
   RayBatch rays;
   const glm::dvec3 eye = corner + size * glm::dvec3(0.4, 1.5, -0.7), light = corner + size * glm::dvec3(0.3, 2, 0.6);

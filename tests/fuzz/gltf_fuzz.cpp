@@ -2,4 +2,6 @@
 
 #include "tests/fuzz/parsers.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) { return raymeter::fuzz("gltf", {reinterpret_cast<const char*>(data), size}); }
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  return raymeter::fuzz("gltf", {reinterpret_cast<const char*>(data), size});
+}

@@ -54,8 +54,10 @@ Scene single(PrimKind kind) {
 Scene coincident(PrimKind kind, int count) {
   Scene scene;
   for (int i = 0; i < count; ++i) {
-    if (kind == PrimKind::sphere) scene.add_sphere({0.25, 0.5, 0.75}, 1);
-    else scene.add_triangle({0, 0, 0}, {1, 0, 0.25}, {0, 1, 0});
+    if (kind == PrimKind::sphere)
+      scene.add_sphere({0.25, 0.5, 0.75}, 1);
+    else
+      scene.add_triangle({0, 0, 0}, {1, 0, 0.25}, {0, 1, 0});
   }
   return scene;
 }
@@ -72,8 +74,10 @@ Scene flat() {
   Random random(12);
   for (int i = 0; i < 120; ++i) {
     const auto corner = [&] { return glm::dvec3(std::round(random.uniform(-8, 8)) / 4, 0, std::round(random.uniform(-8, 8)) / 4); };
-    if (i % 3 == 0) add_polygon(scene, corner(), {0.5, 0, 0}, {0, 0, 0.5}, 8, 0.5);
-    else scene.add_triangle(corner(), corner(), corner());
+    if (i % 3 == 0)
+      add_polygon(scene, corner(), {0.5, 0, 0}, {0, 0, 0.5}, 8, 0.5);
+    else
+      scene.add_triangle(corner(), corner(), corner());
   }
   return scene;
 }
@@ -126,9 +130,12 @@ Scene with_dropped() {
   Random random(15);
   for (int i = 0; i < 60; ++i) {
     const glm::dvec3 p = random.in_cube();
-    if (i % 2 == 0) scene.add_triangle(p, p + 0.5 * random.direction(), p + 0.5 * random.direction());
-    else if (i % 4 == 1) scene.add_sphere(p, -1);
-    else scene.add_triangle(p, p, {0, std::numeric_limits<double>::quiet_NaN(), 0});
+    if (i % 2 == 0)
+      scene.add_triangle(p, p + 0.5 * random.direction(), p + 0.5 * random.direction());
+    else if (i % 4 == 1)
+      scene.add_sphere(p, -1);
+    else
+      scene.add_triangle(p, p, {0, std::numeric_limits<double>::quiet_NaN(), 0});
   }
   return scene;
 }
@@ -149,10 +156,11 @@ void add_generated(const SceneGenerator& generator, std::vector<Scene>& scenes) 
 
 Scene icosphere(int level, double radius, const glm::dvec3& center) {
   const double g = std::numbers::phi;
-  std::vector<glm::dvec3> vertices{{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g},
-                                   {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-  std::vector<std::array<std::size_t, 3>> faces{{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                                                {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},  {3, 8, 9},   {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7},  {9, 8, 1}};
+  std::vector<glm::dvec3> vertices{{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                                   {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+  std::vector<std::array<std::size_t, 3>> faces{{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                                                {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                                                {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
   for (int step = 0; step < level; ++step) {
     std::map<std::pair<std::size_t, std::size_t>, std::size_t> middles;
     const auto middle = [&](std::size_t a, std::size_t b) {
