@@ -24,7 +24,9 @@ struct EmbreeParams {
               0,
               {"best", "single", "packet4", "packet8", "packet16", "stream", "stream_soa"},
               ParamUse::query},
-        Field{"coherence", &EmbreeParams::coherence, "what Embree is told of the rays; best tries both", 0, 0, {"coherent", "incoherent"}, ParamUse::query},
+        where<EmbreeParams>(
+            [](const EmbreeParams& p) { return p.mode != "best"; },
+            {"coherence", &EmbreeParams::coherence, "what Embree is told of the rays; best tries both", 0, 0, {"coherent", "incoherent"}, ParamUse::query}),
         Field{"robust", &EmbreeParams::robust, "watertight node and edge tests (its ROBUST scene flag, which ignores quality=high in version 3.13)"},
         Field{"quality", &EmbreeParams::quality, "medium: binned SAH; high: with spatial splits", 0, 0, {"medium", "high"}},
         Field{"layout",
@@ -38,9 +40,9 @@ struct EmbreeParams {
   }
 };
 
-/// Intel's Embree 3 on the scene's triangles and spheres. Throws Error for the reasons that why_not_embree() gives.
+/// Intel's Embree 3 on the scene's triangles, spheres and polygons, which it gets as triangles. Throws Error for the reasons that why_not_embree() gives.
 [[nodiscard]] std::unique_ptr<Structure> build_embree(const Scene& scene, const ParamValues& values, int threads);
-/// Other primitives, an instruction set that it has no code for, or a build without it.
+/// Cones and cylinders, an instruction set that it has no code for, or a build without it.
 [[nodiscard]] std::string why_not_embree(const Scene& scene, Isa isa);
 
 inline constexpr StructureEntry kEmbreeEntry{.name = "embree",

@@ -13,7 +13,8 @@
 
 namespace raymeter {
 
-/// A committed Embree scene for one instruction set, with its device. Geometry 0 holds the triangles, geometry 1 the spheres, each in the order of its pool.
+/// A committed Embree scene for one instruction set, with its device. Geometry 0 holds the triangles, geometry 1 the spheres, each in the order of its pool,
+/// geometry 2 the triangles of the polygons.
 class EmbreeScene {
 public:
   /// Throws Error where Embree cannot: no such instruction set, other primitives, out of memory.
@@ -28,6 +29,9 @@ public:
 private:
   void add_triangles(const TrianglePool& pool);
   void add_spheres(const SpherePool& pool);
+  void add_polygons(const PolygonPool& pool);
+  /// Attaches triangles, whose columns the scene shares, as a geometry.
+  void attach_triangles(unsigned id, const Column<float>& vertices, const Column<std::uint32_t>& indices);
   void check(const char* step) const;
 
   struct Release {
@@ -37,10 +41,13 @@ private:
   std::atomic<std::int64_t> bytes_{0};  // outlives the device, which reports to it
   std::unique_ptr<RTCDeviceTy, Release> device_;
   std::unique_ptr<RTCSceneTy, Release> scene_;
-  const std::int32_t* prim_of_[2];
+  const std::int32_t* prim_of_[3];
   Column<float> vertices_;  ///< x y z a vertex, three vertices a triangle
   Column<std::uint32_t> indices_;
-  Column<float> spheres_;  ///< x y z radius
+  Column<float> spheres_;           ///< x y z radius
+  Column<float> polygon_vertices_;  ///< x y z
+  Column<std::uint32_t> polygon_indices_;
+  Column<std::int32_t> polygon_prim_;  ///< of each triangle
 };
 
 }  // namespace raymeter

@@ -3,7 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include <glm/geometric.hpp>
+
+#include "accel/embree/polygon_triangles.h"
 #include "accel/registry.h"
 #include "core/trace/trace.h"
 #include "experiments/scenes/scene_source.h"
@@ -95,6 +100,53 @@ void expect_all_modes_close(const std::string& spec) {
 TEST(Embree, FindsTheSameTrianglesInEveryMode) { expect_all_modes_close("gen:icosphere:3"); }
 
 TEST(Embree, FindsTheSameSpheresInEveryMode) { expect_all_modes_close("gen:spheres:500"); }
+
+TEST(Embree, FindsTheSamePolygonsInEveryMode) { expect_all_modes_close("spd:gears:1"); }
+
+TEST(Embree, FindsSpheresOnTheirGround) { expect_all_modes_close("spd:balls:2"); }
+
+/// The area that a polygon's triangles cover, and its own by Newell's formula.
+std::pair<double, double> areas(const PolygonPool& pool, const PolygonTriangles& triangles, std::int32_t polygon) {
+  const auto vertex = [&](std::uint32_t i) { return glm::dvec3(pool.vertex[0][i], pool.vertex[1][i], pool.vertex[2][i]); };
+  const auto first = static_cast<std::uint32_t>(pool.first_vertex[static_cast<std::size_t>(polygon)]);
+  const auto end = static_cast<std::uint32_t>(pool.first_vertex[static_cast<std::size_t>(polygon) + 1]);
+  glm::dvec3 newell(0.0);
+  for (std::uint32_t i = first + 1; i + 1 < end; ++i) newell += glm::cross(vertex(i) - vertex(first), vertex(i + 1) - vertex(first));
+  double covered = 0;
+  for (std::size_t i = 0; i < triangles.vertex.size(); ++i) {
+    const auto& [a, b, c] = triangles.vertex[i];
+    if (triangles.polygon[i] == polygon) covered += glm::length(glm::cross(vertex(b) - vertex(a), vertex(c) - vertex(a)));
+  }
+  return {covered, glm::length(newell)};
+}
+
+TEST(PolygonTriangles, CoverConcavePolygonsOnce) {
+  for (const char* const spec : {"spd:gears:2", "spd:mount:3", "spd:balls:1"}) {
+    const Scene scene = load_scene(spec);
+    const PolygonPool& pool = scene.pools().polygons;
+    const PolygonTriangles triangles = triangles_of(pool);
+    for (std::int32_t polygon = 0; polygon < static_cast<std::int32_t>(pool.size()); ++polygon) {
+      const auto [covered, own] = areas(pool, triangles, polygon);
+      EXPECT_NEAR(covered, own, 1e-6 * own) << spec << " polygon " << polygon;
+    }
+  }
+}
+
+TEST(PolygonTriangles, JoinHolesAndEndOnHopelessOutlines) {
+  Scene scene;
+  // A square with a square hole, joined to it by an edge that is gone along twice.
+  scene.add_polygon(std::vector<glm::dvec3>{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {0, 0, 0}, {1, 1, 0}, {1, 3, 0}, {3, 3, 0}, {3, 1, 0}, {1, 1, 0}});
+  scene.add_polygon(std::vector<glm::dvec3>{{0, 0, 0}, {2, 2, 0}, {2, 0, 0}, {0, 3, 0}});                        // crosses itself
+  scene.add_polygon(std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {1, 0, 0}});             // no area
+  scene.add_polygon(std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}});  // straight corners, one of them twice
+  scene.finish();
+  const PolygonPool& pool = scene.pools().polygons;
+  ASSERT_EQ(pool.size(), 4u);
+  const PolygonTriangles triangles = triangles_of(pool);
+  EXPECT_DOUBLE_EQ(areas(pool, triangles, 0).first, 2 * 12.0);
+  EXPECT_EQ(std::ranges::count(triangles.polygon, 2), 0);
+  EXPECT_DOUBLE_EQ(areas(pool, triangles, 3).first, 2 * 4.0);
+}
 
 TEST(Embree, LetsInvalidRaysMissAndLeavesTheirNeighboursAlone) {
   const Scene scene = load_scene("gen:icosphere:3");
