@@ -33,8 +33,11 @@ std::string plan_table(const Config& config, const std::vector<Experiment>& cell
     scenes.insert(cell.scene.name);
   }
   const auto missing = std::count_if(cells.begin(), cells.end(), [](const Experiment& cell) { return !available(cell.isa); });
-  return text + fmt::format("{} cells of {} scenes, {} timed passes each{}\n", cells.size(), scenes.size(), config.measure.samples,
-                            missing > 0 ? fmt::format("; {} will be skipped: this machine lacks their instruction set", missing) : "");
+  const auto absent = std::count_if(cells.begin(), cells.end(), [](const Experiment& cell) { return !cell.scene.absent.empty(); });
+  text += fmt::format("{} cells of {} scenes, {} timed passes each", cells.size(), scenes.size(), config.measure.samples);
+  if (missing > 0) text += fmt::format("; {} will be skipped: this machine lacks their instruction set", missing);
+  if (absent > 0) text += fmt::format("; {} will be skipped: their scene is not there", absent);
+  return text + "\n";
 }
 
 }  // namespace raymeter

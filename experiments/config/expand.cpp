@@ -132,6 +132,13 @@ bool differ_only_in(const Experiment& a, const Experiment& b, const Pattern& fre
   return true;
 }
 
+nlohmann::json view_json(const SceneView& view) {
+  const auto point = [](const glm::dvec3& p) { return nlohmann::json{p.x, p.y, p.z}; };
+  nlohmann::json json{{"eye", point(view.eye)}, {"look_at", point(view.look_at)}, {"up", point(view.up)}, {"fov", view.fov_degrees}};
+  if (view.light) json["light"] = point(*view.light);
+  return json;
+}
+
 void leave_out_defaults(ParamValues& params, const std::vector<ParamInfo>& infos) {
   for (const ParamInfo& info : infos) std::erase(params, std::pair(std::string(info.key), info.default_value));
 }
@@ -204,6 +211,7 @@ std::string canonical_json(const Experiment& e) {
                       {"threads", threads_text(e.threads)},
                       {"width", e.width},
                       {"height", e.height}};
+  if (e.scene.view) json["view"] = view_json(*e.scene.view);
   if (e.general) json["needs"] = "all";
   if (e.camera != CameraConvention::pixel) json["camera"] = name(e.camera);
   return json.dump();

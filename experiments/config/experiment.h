@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <glm/vec3.hpp>
+
 #include "accel/registry.h"
 #include "core/render/termination.h"
 #include "core/scene/camera.h"
@@ -14,10 +16,21 @@
 
 namespace raymeter {
 
+/// From where a scene is seen, and by what light, instead of what its file says.
+struct SceneView {
+  glm::dvec3 eye{0.0};
+  glm::dvec3 look_at{0.0};
+  glm::dvec3 up{0.0, 1.0, 0.0};
+  double fov_degrees = 45;
+  std::optional<glm::dvec3> light;  ///< empty: those of the file
+};
+
 /// A scene of the matrix.
 struct SceneChoice {
-  std::string name;  ///< as the config has it, environment variables not substituted: what records show
+  std::string name;  ///< what records show: the config's name for it, or its text with environment variables not substituted
   std::string spec;  ///< for load_scene
+  std::optional<SceneView> view;
+  std::string absent;  ///< why an optional scene is not there; its cells are skipped
 };
 
 /// What a cell traces: a ray set by its generator's name or as a .npy file with the query it is for, or "image", complete frames.

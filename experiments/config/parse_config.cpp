@@ -18,6 +18,11 @@ namespace {
 
 using Json = nlohmann::json;
 
+template <class T>
+void take(const Json& object, const char* key, T& value) {
+  if (object.contains(key)) value = object[key].get<T>();
+}
+
 /// A value as a list of one.
 Json as_list(const Json& value) { return value.is_array() ? value : Json::array({value}); }
 
@@ -47,15 +52,54 @@ std::string substituted(const std::string& text, const Environment& environment,
 /// The text of a path or of {"file": path}.
 const Json& file_of(const Json& value) { return value.is_object() ? value["file"] : value; }
 
+glm::dvec3 parse_point(const Json& value) { return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()}; }
+
+SceneView parse_view(const Json& json) {
+  SceneView view;
+  view.eye = parse_point(json["eye"]);
+  view.look_at = parse_point(json["look_at"]);
+  if (json.contains("up")) view.up = parse_point(json["up"]);
+  if (json.contains("light")) view.light = parse_point(json["light"]);
+  take(json, "fov", view.fov_degrees);
+  return view;
+}
+
+/// Whether a scene that need not be there can be opened. What is there and is no scene is an error all the same.
+bool is_absent(const std::string& spec) { return !is_generated_scene(spec) && !std::filesystem::exists(spec); }
+
 SceneChoice parse_scene(const Json& value, const Environment& environment, const std::string& path) {
-  const std::string name = file_of(value);
-  SceneChoice scene{name, substituted(name, environment, path)};
+  const std::string file = file_of(value);
+  SceneChoice scene{file, "", std::nullopt, ""};
+  bool optional = false;
+  if (value.is_object()) {
+    take(value, "name", scene.name);
+    take(value, "optional", optional);
+    if (value.contains("view")) scene.view = parse_view(value["view"]);
+  }
+  try {
+    scene.spec = substituted(file, environment, path);
+    if (optional && is_absent(scene.spec)) scene.absent = scene.spec + " is not there";
+  } catch (const Error& error) {
+    if (!optional) throw;
+    scene.absent = error.what();
+  }
+  if (!scene.absent.empty()) return scene;
   try {
     check_scene(scene.spec);
   } catch (const Error& error) {
     throw Error(path + ": " + error.what());
   }
   return scene;
+}
+
+/// Records tell scenes by their names.
+void check_scene_names(const std::vector<SceneChoice>& scenes) {
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (scenes[i].name == scenes[k].name && (scenes[i].spec != scenes[k].spec || scenes[i].view || scenes[k].view))
+        throw Error(fmt::format("matrix.scene[{}]: {} is the name of another scene too, expected a \"name\" of its own", i, scenes[i].name));
+    }
+  }
 }
 
 RaysChoice parse_rays(const Json& value, const Environment& environment, const std::string& path) {
@@ -113,6 +157,7 @@ Matrix parse_matrix(const Json& json, const Environment& environment) {
   const auto list = [&](const char* key, auto& out, auto&& parse) { parse_list(json, key, "matrix.", out, parse); };
   const auto whole = [](const Json& value, const std::string&) { return value.get<int>(); };
   list("scene", m.scene, [&](const Json& value, const std::string& path) { return parse_scene(value, environment, path); });
+  check_scene_names(m.scene);
   list("structure", m.structure, [](const Json& value, const std::string& path) { return parse_axis(value, path, structure_entry); });
   list("first_hit", m.first_hit, [](const Json& value, const std::string& path) { return parse_axis(value, path, first_hit_entry); });
   list("occlusion", m.occlusion, [](const Json& value, const std::string& path) { return parse_axis(value, path, occlusion_entry); });
@@ -125,11 +170,6 @@ Matrix parse_matrix(const Json& json, const Environment& environment) {
   list("threads", m.threads, [](const Json& value, const std::string&) { return value.is_string() ? 0 : value.get<int>(); });
   check_depths(m);
   return m;
-}
-
-template <class T>
-void take(const Json& object, const char* key, T& value) {
-  if (object.contains(key)) value = object[key].get<T>();
 }
 
 Config parse_document(const Json& json, const Environment& environment) {

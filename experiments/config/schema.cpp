@@ -76,9 +76,23 @@ Json isa_schema() {
   return {{"type", "string"}, {"enum", names}};
 }
 
+Json point_schema() { return {{"type", "array"}, {"minItems", 3}, {"maxItems", 3}, {"items", {{"type", "number"}}}}; }
+
 Json scene_schema() {
-  const Json file = closed_object({{"file", {{"type", "string"}, {"minLength", 1}}}}, {"file"});
-  return {{"anyOf", {{{"type", "string"}, {"minLength", 1}}, file}}};
+  const Json text{{"type", "string"}, {"minLength", 1}};
+  const Json fov{{"type", "number"}, {"minimum", 0.001}, {"maximum", 179}};
+  const Json view = closed_object({{"eye", point_schema()},
+                                   {"look_at", point_schema()},
+                                   {"up", described(point_schema(), "default: y")},
+                                   {"fov", described(fov, "full angle in degrees; default: 45")},
+                                   {"light", described(point_schema(), "default: the lights of the scene")}},
+                                  {"eye", "look_at"});
+  const Json object = closed_object({{"file", text},
+                                     {"name", described(text, "in records; default: the file as written here")},
+                                     {"optional", described({{"type", "boolean"}}, "where the file is not there, its cells are skipped")},
+                                     {"view", described(view, "from where the scene is seen, instead of what its file says")}},
+                                    {"file"});
+  return {{"anyOf", {text, object}}};
 }
 
 Json rays_schema() {

@@ -32,6 +32,8 @@ constexpr const char* kRunFiles[]{"manifest.json", "environment.json", "samples.
 Json plan_line(const Experiment& cell) {
   Json json{{"cell", cell.id}};
   json.update(Json::parse(canonical_json(cell)));
+  if (!cell.scene.absent.empty()) json["scene_absent"] = true;
+  if (cell.scene.absent.empty() && cell.scene.spec != cell.scene.name) json["scene_file"] = cell.scene.spec;
   return json;
 }
 

@@ -29,6 +29,11 @@ constexpr std::int64_t kCheckPasses = 3;
 
 ParamValues defaults_of(const StructureEntry& entry) { return entry.resolve({}); }
 
+void apply(const SceneView& view, Scene& scene) {
+  scene.camera = {.eye = view.eye, .look_at = view.look_at, .up = view.up, .fov_degrees = view.fov_degrees};
+  if (view.light) scene.lights = {{*view.light}};
+}
+
 }  // namespace
 
 std::size_t RunContext::cells_done() const {
@@ -41,6 +46,7 @@ SceneRun::SceneRun(RunContext& context, std::span<const Experiment> cells) : con
 SceneRun::~SceneRun() = default;
 
 void SceneRun::run() {
+  skip_absent_scene();
   skip_missing_isas();
   if (std::none_of(cells_.begin(), cells_.end(), [&](const Experiment& cell) { return unfinished(cell); })) return;
   load();
@@ -62,6 +68,12 @@ void SceneRun::end(const Experiment& cell, Status status, const std::string& rea
   record.threads = cell.threads > 0 ? cell.threads : all_threads();
   context_.log.add(record);
   context_.progress.add(passes_of(context_.config));
+}
+
+void SceneRun::skip_absent_scene() {
+  for (const Experiment& cell : cells_) {
+    if (!cell.scene.absent.empty() && unfinished(cell)) end(cell, Status::skipped, cell.scene.absent);
+  }
 }
 
 void SceneRun::skip_missing_isas() {
@@ -86,6 +98,7 @@ void SceneRun::load() {
   const SceneChoice& choice = cells_.front().scene;
   const auto start = Clock::now();
   scene_ = std::make_unique<Scene>(load_scene(choice.spec));
+  if (choice.view) apply(*choice.view, *scene_);
   const SceneRecord record{choice.name, hex_text(scene_->hash()), scene_->prim_count(), needs_of(*scene_).text(), scene_->mem_bytes(), ms_since(start)};
   const auto& known = context_.log.records().scenes;
   const auto before = known.find(choice.name);

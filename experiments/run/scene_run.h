@@ -58,6 +58,7 @@ private:
     [[nodiscard]] Tracers tracers() const noexcept { return {*intersector, first_hit.get(), occlusion.get()}; }
   };
 
+  void skip_absent_scene();
   void skip_missing_isas();
   void skip_what_cannot_serve();
   void load();

@@ -42,21 +42,21 @@ const SceneFormat& find_format(const std::string& path) {
   return *format;
 }
 
-bool is_generated(std::string_view spec) noexcept { return spec.starts_with("spd:") || spec.starts_with("gen:"); }
-
 }  // namespace
+
+bool is_generated_scene(std::string_view spec) noexcept { return spec.starts_with("spd:") || spec.starts_with("gen:"); }
 
 std::span<const SceneFormat> scene_formats() noexcept { return kFormats; }
 
 void check_scene(std::string_view spec) {
-  if (is_generated(spec)) return check_generator_spec(spec);
+  if (is_generated_scene(spec)) return check_generator_spec(spec);
   const std::string path(spec);
   (void)find_format(path);
   if (!std::filesystem::is_regular_file(path) || !std::ifstream(path)) throw Error(path + ": cannot be opened");
 }
 
 Scene load_scene(std::string_view spec) {
-  if (is_generated(spec)) return generate_scene(spec);
+  if (is_generated_scene(spec)) return generate_scene(spec);
   const std::string path(spec);
   Scene scene = find_format(path).read(read_source_file(path));
   scene.name = spec;

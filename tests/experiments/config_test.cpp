@@ -40,6 +40,27 @@ TEST(Config, SaysWhichKeyIsUnknown) {
             "c.json: matrix.structure[1].bns: unknown key; did you mean bins?");
 }
 
+TEST(Config, OptionalScenesMayBeAbsentAndNothingElse) {
+  const auto with_scene = [](const std::string& scene) { return R"({"name": "n", "matrix": {"scene": [)" + scene + R"(], "structure": {"name": "list"}}})"; };
+  const std::vector<Experiment> cells = expand(parse(with_scene(R"({"file": "${NOWHERE}/a.ply", "optional": true}, {"file": "absent.ply", "optional": true},
+      {"name": "seen", "file": "spd:balls:1", "optional": true, "view": {"eye": [1, 2, 3], "look_at": [0, 0, 0], "fov": 30, "light": [4, 5, 6]}})")));
+  ASSERT_EQ(cells.size(), 3u);
+  EXPECT_NE(cells[0].scene.absent.find("environment variable NOWHERE is not set"), std::string::npos) << cells[0].scene.absent;
+  EXPECT_EQ(cells[1].scene.absent, "absent.ply is not there");
+  EXPECT_EQ(cells[2].scene.absent, "");
+  EXPECT_EQ(cells[2].scene.name, "seen");
+  ASSERT_TRUE(cells[2].scene.view && cells[2].scene.view->light);
+  EXPECT_EQ(cells[2].scene.view->eye, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(cells[2].scene.view->up, glm::dvec3(0, 1, 0));
+  EXPECT_EQ(*cells[2].scene.view->light, glm::dvec3(4, 5, 6));
+
+  EXPECT_EQ(message(with_scene(R"({"file": "absent.ply"})")), "c.json: matrix.scene[0]: absent.ply: cannot be opened");
+  EXPECT_EQ(message(with_scene(R"({"file": "spd:bals:1", "optional": true})")).substr(0, 24), "c.json: matrix.scene[0]:");
+  const std::string seen = R"({"name": "a", "file": "spd:balls:1", "view": {"eye": [1, 2, 3], "look_at": [0, 0, 0]}})";
+  EXPECT_EQ(message(with_scene(seen + "," + seen)), "c.json: matrix.scene[1]: a is the name of another scene too, expected a \"name\" of its own");
+  EXPECT_NE(message(with_scene(R"({"file": "spd:balls:1", "view": {"eye": [1, 2], "look_at": [0, 0, 0]}})")).find("matrix.scene[0]"), std::string::npos);
+}
+
 TEST(Config, SaysWhichValueIsWrong) {
   EXPECT_EQ(message(config(R"(, "isa": ["avx2", "axv512"])")),
             "c.json: matrix.isa[1]: expected one of scalar, sse42, avx2, avx512, best, got \"axv512\"; did you mean avx512?");

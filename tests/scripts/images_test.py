@@ -70,6 +70,17 @@ class ImagesTest(unittest.TestCase):
         self.assertIn("scene one.nff: no such file", result.stderr)
         self.assertEqual(len(list((run / "images").iterdir())), 16)
 
+    def test_scenes_that_the_name_does_not_give(self) -> None:
+        (self.folder / "a.nff").write_text(BALL)
+        scenes = [{"file": "gone.nff", "optional": True}, {"name": "named", "file": "a.nff"}, {"name": "seen", "file": "a.nff", "view": {"eye": [0, 0, 9], "look_at": [0, 0, 0]}}]
+        matrix = {**CONFIG["matrix"], "scene": scenes, "structure": [{"name": "list"}]}
+        (self.folder / "c.json").write_text(json.dumps({**CONFIG, "matrix": matrix, "exclude": []}))
+        self.assertEqual(self.run_in_folder(RAYMETER, "run", "c.json", "--out", "r", "--progress", "none").returncode, 0)
+        result = self.images(RAYMETER, self.folder / "r")
+        self.assertEqual((result.returncode, len(result.stderr.splitlines())), (0, 2), result.stderr)
+        self.assertIn("no pictures of gone.nff: it was not there", result.stderr)
+        self.assertEqual(sorted(path.name for path in (self.folder / "r" / "images").iterdir()), ["named.json", "named.png"])
+
     def test_no_run(self) -> None:
         for words in ([], [RAYMETER], ["--fly"], [RAYMETER, "absent"]):
             result = self.images(*words)

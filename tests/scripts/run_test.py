@@ -109,6 +109,19 @@ class RunTest(RunInFolder):
         for row in self.rows(self.folder / "r", "summary"):
             self.assertEqual(row["status"], "ok" if row["rays"] == "primary" else "skipped", row)
 
+    def test_an_optional_scene_is_skipped_where_absent_and_seen_by_its_view(self) -> None:
+        (self.folder / "near.nff").write_text("v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 45\nhither 1\nresolution 4 4\nf 1 0 0 1 0 0 0 0\ns 0 0 0 1\n")
+        scenes = [{"file": "gone.ply", "optional": True}, {"name": "far", "file": "near.nff", "view": {"eye": [0, 0, 500], "look_at": [0, 0, 0], "light": [9, 9, 9]}},
+                  {"name": "inside", "file": "near.nff", "view": {"eye": [0, 0, 0], "look_at": [0, 0, 1]}}]
+        result = self.raymeter("run", self.write(config(matrix={"scene": scenes, "rays": ["primary"], "packet": [16]})), "--out", "r", "--progress", "none")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("gone.ply is not there", result.stderr + result.stdout)
+        rows = {row["scene"]: row for row in self.rows(self.folder / "r", "summary")}
+        self.assertEqual({name: row["status"] for name, row in rows.items()}, {"gone.ply": "skipped", "far": "ok", "inside": "ok"})
+        hits = {row["scene"]: float(row["prim_hits"]) for row in self.rows(self.folder / "r", "counters") if row["structure"] == "list"}
+        self.assertEqual(hits["inside"], 32 * 32)
+        self.assertLess(hits["far"], 32)
+
     def test_a_machine_without_sys_is_no_complaint(self) -> None:
         bare = {**os.environ, "HWLOC_FSROOT": str(self.folder)}
         self.assertEqual(self.raymeter("env", env=bare).stderr, "")
