@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from .records import FRAME_PHASES, Record, Run, Value, whole
 
 STRUCTURE_ORDER = "list bvh octree kdtree bsp grid ray_classification embree".split()
+PEERS = ("embree",)
 RAY_ORDER = "primary shadow reflection ambient_occlusion diffuse random image".split()
 ISA_ORDER = "scalar sse42 avx2 avx512".split()
 SETTING = ("isa", "packet", "threads", "max_depth", "min_weight")
@@ -32,6 +33,7 @@ class Cell:
     phases: dict[str, Record] = field(default_factory=dict)  # of images: the summary of each phase
     shadow: Record = field(default_factory=dict)  # what was counted over shadow rays alone
     break_even: dict[str, str] = field(default_factory=dict)
+    samples: dict[Value, Record] = field(default_factory=dict)  # timed passes by round
     label: str = ""
     rays: str = ""
 
@@ -51,7 +53,19 @@ class Cell:
 
     @property
     def technique(self) -> tuple[str, str, str, str]:
-        return tuple(str(self.summary[column]) for column in ("structure", "params", "first_hit", "occlusion"))  # type: ignore[return-value]
+        """What stands in the slots, with the parameters that were asked for."""
+        structure, params, first_hit, occlusion = (str(self.summary[column]) for column in ("structure", "params", "first_hit", "occlusion"))
+        return structure, params.partition("; ")[0], first_hit, occlusion
+
+    @property
+    def choice(self) -> str:
+        """What the structure settled on by looking at the rays; records have it behind its parameters."""
+        return str(self.summary["params"]).partition("; ")[2]
+
+    @property
+    def is_peer(self) -> bool:
+        """From outside: its answers are listed, not held against it."""
+        return self.summary["structure"] in PEERS
 
     def number(self, column: str) -> float | None:
         """A finite number of the summary, or None."""
@@ -79,11 +93,16 @@ def load_cells(runs: Sequence[Run]) -> list[Cell]:
         for record in run.tables["summary"]:
             if record["phase"] in FRAME_PHASES:
                 phases[record["cell_id"]][str(record["phase"])] = record
+        samples: dict[Value, dict[Value, Record]] = defaultdict(dict)
+        for record in whole(run.tables["samples"]):
+            if record["status"] == "ok":
+                samples[record["cell_id"]][record["sample"]] = record
         shadow = {record["cell_id"]: record for record in run.tables["counters"] if record["phase"] in ("any", "shadow")}
         for summary in whole(run.tables["summary"]):
             key = summary["cell_id"]
             build, counters, accuracy, frame = (joined[kind].get(key, {}) for kind in kinds)
-            cells.append(Cell(run.name, summary, build, counters, accuracy, frame, phases.get(key, {}), shadow.get(key, {}), run.break_even.get(str(key), {})))
+            others = (phases.get(key, {}), shadow.get(key, {}), run.break_even.get(str(key), {}), samples.get(key, {}))
+            cells.append(Cell(run.name, summary, build, counters, accuracy, frame, *others))
     _label(cells)
     return cells
 

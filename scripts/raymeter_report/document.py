@@ -9,16 +9,17 @@ from typing import Any
 
 from .bounding_volumes import volumes_table
 from .break_even import break_even_table
-from .cells import Cell, best_cells, load_cells, rays_of, scenes_of, techniques_of
+from .cells import Cell, best_cells, finite, load_cells, rays_of, scenes_of, techniques_of
 from .figures import Plot, write_plots
 from .frames import depth_control_table, frames_table
 from .glossary import GLOSSARY, SYMBOL_NOTE, Term
+from .peer import peer_table
 from .pictures import Picture, pictures_of
 from .records import Run
 from .shadow_cache import shadow_cache_table
 from .table import Table, in_order
 from .tables import (
-    accuracy_table, best_table, builds_table, counters_table, left_out_table, problem_table, results_table, simd_table, technique_table,
+    WRONG, accuracy_table, best_table, builds_table, counters_table, left_out_table, problem_table, results_table, simd_table, technique_table,
 )
 
 WIDE_INTERVAL = 0.05  # half width of a confidence interval, relative to the median, from which on a cell counts as noisy
@@ -45,6 +46,7 @@ class Report:
     left_out: Table
     techniques: Table
     results: Table
+    peer: Table
     simd: Table | None
     counters: Table
     builds: Table
@@ -83,6 +85,7 @@ def make_report(runs: Sequence[Run], out: Path) -> Report:
         left_out=left_out_table(cells, reasons),
         techniques=technique_table(cells),
         results=results_table(cells),
+        peer=peer_table(cells),
         simd=simd_table(cells),
         counters=counters_table(cells),
         builds=builds_table(cells),
@@ -111,19 +114,39 @@ def verdict(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Finding]:
         findings.append(Finding("bad", f"{failed} failed: wrong hits, a time-out or an error. They have no timing and are listed below."))
     if states["skipped"]:
         findings.append(Finding("aside", f"{plural(states['skipped'], 'cell')} skipped, listed below with the reason."))
-    checked = sum(cell.accuracy.get("rays_checked") or 0 for cell in cells)  # type: ignore[misc]
-    wrong = sum(cell.accuracy.get(name) or 0 for cell in cells for name in ("false_miss", "false_hit", "wrong_prim"))  # type: ignore[misc]
-    if checked:
-        level, text = ("bad", f"{wrong:,.0f} wrong answers") if wrong else ("good", "No wrong answer")
-        findings.append(Finding(level, f"{text} among {checked:,.0f} rays held against the exact oracle."))
-    elif cells:
-        findings.append(Finding("aside", "No rays were held against the oracle."))
+    findings += answers(cells)
     findings += fastest(cells)
     findings += steadiness(runs, cells)
     machines = {str(run.manifest.get("cpu")) + str(run.manifest.get("host")) for run in runs}
     if len(machines) > 1:
         findings.append(Finding("bad", "The runs come from different machines: compare their counters, not their times."))
     return findings
+
+
+def answers(cells: Sequence[Cell]) -> list[Finding]:
+    """What was held against the oracle, and what a peer from outside answered."""
+    findings = []
+    ours, peers = ([cell for cell in cells if cell.is_peer == peer] for peer in (False, True))
+    checked, wrong = rays_checked(ours)
+    if checked:
+        level, text = ("bad", f"{wrong:,.0f} wrong answers") if wrong else ("good", "No wrong answer")
+        findings.append(Finding(level, f"{text} among {checked:,.0f} rays held against the exact oracle."))
+    elif cells:
+        findings.append(Finding("aside", "No rays were held against the oracle."))
+    checked, wrong = rays_checked(peers)
+    if checked:
+        names = ", ".join(dict.fromkeys(cell.technique[0] for cell in peers))
+        findings.append(Finding("aside", f"Of the peer {names}: {wrong:,.0f} wrong answers among {checked:,.0f} rays, listed under accuracy; it is timed all the same."))
+    return findings
+
+
+def rays_checked(cells: Sequence[Cell]) -> tuple[float, float]:
+    """Rays that were checked, and wrong answers among them."""
+
+    def total(*names: str) -> float:
+        return sum(finite(cell.accuracy.get(name)) or 0.0 for cell in cells for name in names)
+
+    return total("rays_checked"), total(*WRONG)
 
 
 def steadiness(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Finding]:

@@ -27,17 +27,20 @@ class Dot:
 
 @dataclass(frozen=True)
 class Panel:
-    """A panel of dots; `absent` are the techniques and scenes without a value because the cell failed."""
+    """A panel of dots; `absent` are the techniques and scenes without a value because the cell failed, `line` a value that they are to be held against."""
 
     title: str
     axis: str
     dots: Sequence[Dot]
     absent: Sequence[tuple[str, str]] = ()
+    line: float | None = None
 
 
-def dot_figure(panels: Sequence[Panel], scenes: dict[str, float | None], looks: dict[str, Look], shared_scale: bool = True) -> Figure:
+def dot_figure(
+    panels: Sequence[Panel], scenes: dict[str, float | None], looks: dict[str, Look], shared_scale: bool = True, columns: int = COLUMNS
+) -> Figure:
     """Panels side by side; `scenes` gives each scene's number of primitives. With `shared_scale` all panels have the same axis."""
-    columns = min(COLUMNS, len(panels))
+    columns = min(columns, len(panels))
     rows = math.ceil(len(panels) / columns)
     techniques = [label for label in looks if any(dot.technique == label for panel in panels for dot in panel.dots)]
     row_height = max(0.3, 0.1 * len(techniques) + 0.12)
@@ -74,6 +77,8 @@ def draw_panel(axes: Axes, panel: Panel, scenes: list[str], techniques: list[str
     axes.spines["left"].set_visible(False)
     axes.grid(axis="x")
     axes.set_axisbelow(True)
+    if panel.line is not None:
+        axes.axvline(panel.line, color=INK, linewidth=0.8, alpha=0.7)
     for i in range(0, len(scenes), 2):
         axes.axhspan(i - 0.5, i + 0.5, color=INK, alpha=0.05, linewidth=0)
 

@@ -10,7 +10,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from .cells import SETTING, Cell, at_setting, main_setting, rays_of, setting_key, techniques_of
 from .figure_dots import COLUMNS, add_legend
-from .numbers import axis_number, shortened
+from .numbers import axis_number, geometric_mean, shortened
 from .records import Value
 from .style import INK, PAGE_WIDTH, Look, new_figure, scale_axis
 
@@ -29,7 +29,7 @@ class Sweep:
         scenes = self.series.get((rays, technique), {})
         reach = {value for one in scenes.values() for value in one}
         complete = [one for one in scenes.values() if set(one) == reach]
-        return {value: math.exp(sum(math.log(one[value]) for one in complete) / len(complete)) for value in self.values if complete and value in reach}
+        return {value: geometric_mean([one[value] for one in complete]) for value in self.values if complete and value in reach}
 
 
 def sweep(cells: Sequence[Cell], column: str) -> Sweep | None:

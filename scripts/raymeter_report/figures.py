@@ -12,6 +12,7 @@ from .cells import SETTING, Cell, at_setting, describe_setting, finite, main_set
 from .figure_dots import Dot, Panel, dot_figure
 from .figure_error import error_figure
 from .figure_scatter import Point, run_order_figure, scatter_figure
+from .figure_peer import peer_duels, peer_figure
 from .figure_memory import budget_lines, memory_figure
 from .figure_sweep import sweep, sweep_figure
 from .frames import cuts
@@ -72,6 +73,7 @@ def drafts(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Draft]:
         speed_draft(cells, chosen, look_of, where),
         scatter_draft(chosen, look_of, where),
         build_draft(chosen, look_of),
+        peer_draft(cells, look_of),
         *sweep_drafts(cells, look_of),
         memory_draft(cells, look_of),
         error_draft(cells, look_of),
@@ -169,6 +171,22 @@ def build_draft(cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None
         "together per primitive. Further left is better."
     )
     return Draft("build", "Build time and memory", caption, dot_figure(panels, scene_sizes(cells), look_of, shared_scale=False))
+
+
+def peer_draft(cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:
+    """Speed against the peer from outside; None where none was timed."""
+    found = peer_duels(cells)
+    compared = [duel for of_kind in found.values() for duel in of_kind]
+    if not compared:
+        return None
+    peer = compared[0].rival.technique[0]
+    where = describe_setting(main_setting([duel.cell for duel in compared]), without="isa")
+    caption = (
+        f"Speed relative to {peer} on the same rays of the same run at {where}, {peer} in the mode and with the tree that is fastest there, limited to the same "
+        "instruction set, its conversion of rays included. Right of the line raymeter is faster. Light marks: against the peer’s watertight mode. Bars are 95 % confidence intervals of "
+        "the median ratio; the geometric mean is over the scenes of triangles alone."
+    )
+    return Draft("speed_vs_peer", f"Speed against {peer}", caption, peer_figure(found, scene_sizes(cells), look_of))
 
 
 def sweep_drafts(cells: Sequence[Cell], look_of: dict[str, Look]) -> list[Draft]:

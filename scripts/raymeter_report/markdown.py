@@ -17,6 +17,7 @@ def markdown(report: Report, out: Path) -> str:
     parts += block(report.best, "### Fastest technique") + block(report.problems, "### Failed cells")
     parts += block(report.left_out, "### Skipped and unfinished cells") + block(report.techniques, "### Techniques")
     parts += block(report.results, "## Results")
+    parts += block(report.peer, "### Beside the peer")
     if report.simd:
         parts += block(report.simd, "### Instruction sets and packets")
     if report.plots:

@@ -1,6 +1,7 @@
 """Numbers as readers expect them: three significant digits, thin thousands separators, nothing where nothing was measured."""
 
 import math
+from collections.abc import Sequence
 
 from .records import Value
 
@@ -76,3 +77,21 @@ def axis_number(value: float) -> str:
         if abs(value) >= factor:
             return f"{value / factor:g}{suffix}"
     return f"{value:g}"
+
+
+def median_interval(values: Sequence[float]) -> tuple[float, float] | None:
+    """An interval that covers the median with at least 95 %: the order statistics at which a sign test would reject (Thompson 1936). None below 6 values."""
+    ordered = sorted(values)
+    count = len(ordered)
+    tail, rank = 0.0, 0
+    for heads in range(count // 2):
+        tail += math.comb(count, heads) * 0.5**count
+        if 2 * tail > 0.05:
+            break
+        rank = heads + 1
+    return (ordered[rank - 1], ordered[count - rank]) if rank else None
+
+
+def geometric_mean(values: Sequence[float]) -> float:
+    """Of positive values, at least one."""
+    return math.exp(sum(math.log(value) for value in values) / len(values))

@@ -59,6 +59,7 @@ def results_table(cells: Sequence[Cell]) -> Table:
         Column("time vs reference", "×", hint="ratio_vs_ref"),
         Column("95 % interval", "×", hint="ratio_lo, ratio_hi"),
         Column("build + frame", "ms", hint="time_to_image_ms"),
+        Column("chose", number=False),
         Column("status", number=False),
     ]
     rows = []
@@ -70,7 +71,7 @@ def results_table(cells: Sequence[Cell]) -> Table:
             *key_fields(cell, varying),
             number_field(cell.summary["n"], integer), Field(median, cell.number("median_ns_per_ray"), tone), Field(interval),
             number_field(cell.summary["mrays_per_s"]), Field(ratio, cell.number("ratio_vs_ref")), Field(ratio_interval),
-            number_field(cell.summary["time_to_image_ms"]), Field(str(cell.summary["status"]), tone="bad" if cell.state == "failed" else ""),
+            number_field(cell.summary["time_to_image_ms"]), Field(cell.choice), Field(str(cell.summary["status"]), tone="bad" if cell.state == "failed" else ""),
         ])
     caption = "Medians over all timed samples; bold: the fastest of its scene and ray kind. Empty fields were not measured." + fixed_settings(cells)
     return Table("results", caption, columns, rows, 2).without_empty()
@@ -199,7 +200,7 @@ def accuracy_table(cells: Sequence[Cell]) -> Table:
         rows.append([*key_fields(cell, varying), *checks, *(number_field(cell.accuracy.get(name)) for name, _, _ in (*errors, *images))])
     caption = (
         "Hits held against the exact oracle, error of the distance t in units in the last place (ulp) of a float. Any miss, false hit or wrong "
-        "primitive makes a cell fail." + fixed_settings(cells)
+        "primitive makes a cell fail, but for a peer from outside." + fixed_settings(cells)
     )
     return Table("accuracy", caption, columns, rows, 2).without_empty()
 

@@ -11,7 +11,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run
-from raymeter_report import cells, figures, numbers, records, shadow_cache, style, tables
+from raymeter_report import cells, figure_peer, figures, numbers, peer, records, shadow_cache, style, tables
 from report_support import TemporaryFolder, run_cli
 
 
@@ -62,6 +62,56 @@ class ShadowCache(unittest.TestCase):
         of_keys = [self.cell(f"shadow_cache:key={key},batch=4096", 1.0) for key in ("light", "light_object")] + [self.cell("none", 1.0)]
         cells._label(of_keys)
         self.assertEqual([cell.label for cell in of_keys], ["bvh+shadow_cache:key=light", "bvh+shadow_cache:key=light_object", "bvh"])
+
+
+class Peer(unittest.TestCase):
+    """Ratios to the peer's best setting, and its time without conversion."""
+
+    def cell(self, scene: str, params: str, times: list[float], prepare: float = 0.0, needs: str = "triangle lights", rays: str = "primary") -> cells.Cell:
+        structure = "embree" if "mode" in params else "bvh"
+        summary = dict(scene=scene, rays=rays, phase="closest", structure=structure, params=params, first_hit="cast", occlusion="none", isa="avx2", packet=16.0)
+        summary |= dict(threads=1.0, max_depth=5.0, min_weight=0.0, status="ok", median_ns_per_ray=sorted(times)[len(times) // 2], needs=needs, num_prims=9.0, hit_mismatch=3.0)
+        samples = {float(i): dict(ns_per_ray=time, trace_ms=time, prepare_ms=prepare, rays_traced=1e6) for i, time in enumerate(times)}
+        return cells.Cell("run", summary, {}, {}, {}, samples=samples)
+
+    def run_of(self, scene: str, own: float, needs: str = "triangle lights") -> list[cells.Cell]:
+        return [
+            self.cell(scene, "traversal=beam", [own] * 7, needs=needs),
+            self.cell(scene, "mode=best,robust=false,quality=medium,layout=slice; mode=packet16,coherence=coherent", [20.0] * 6 + [40.0], needs=needs),
+            self.cell(scene, "mode=best,robust=false,quality=medium,layout=ahead; mode=stream,coherence=coherent", [30.0] * 7, prepare=14.0, needs=needs),
+            self.cell(scene, "mode=best,robust=true,quality=medium,layout=slice; mode=packet8,coherence=coherent", [25.0] * 7, needs=needs),
+        ]
+
+    def test_labels_leave_out_what_a_structure_chose(self) -> None:
+        both = [self.cell("s", f"mode=best,robust=false; mode={mode}", [1.0]) for mode in ("packet16", "stream")]
+        cells._label(both)
+        self.assertEqual([(cell.label, cell.choice) for cell in both], [("embree", "mode=packet16"), ("embree", "mode=stream")])
+
+    def test_ratios_are_to_the_best_setting_round_by_round(self) -> None:
+        found = peer.duels(self.run_of("s", 10.0))
+        self.assertEqual([len(found[kind]) for kind in peer.KINDS], [1, 1])
+        fast, robust = found["fast"][0], found["robust"][0]
+        self.assertEqual((fast.rival.choice, fast.ratio), ("mode=packet16,coherence=coherent", peer.Ratio(2.0, 2.0, 4.0)))
+        self.assertEqual((robust.ratio.value, robust.unconverted), (2.5, None))
+        self.assertEqual(fast.unconverted, 16.0)
+
+    def test_means_are_over_scenes_of_triangles_alone(self) -> None:
+        all_of = self.run_of("a", 10.0) + self.run_of("b", 40.0) + self.run_of("c", 1.0, needs="sphere triangle")
+        cells._label(all_of)
+        found = peer.duels(all_of)
+        self.assertAlmostEqual(peer.means(found["fast"])["primary", "avx2", "bvh"], 1.0)
+        table = peer.peer_table(all_of)
+        self.assertEqual([row[0].text for row in table.rows], ["a", "b", "c", peer.MEAN])
+        drawn = figure_peer.peer_figure(figure_peer.peer_duels(all_of), {}, style.looks(all_of))
+        self.assertEqual([text.get_text() for text in drawn.axes[0].get_yticklabels()], ["a", "b", "c", peer.MEAN])
+
+    def test_there_is_none_without_a_peer(self) -> None:
+        self.assertFalse(peer.peer_table(self.run_of("s", 10.0)[:1]).rows)
+
+    def test_interval_of_the_median(self) -> None:
+        self.assertIsNone(numbers.median_interval([1.0] * 5))
+        self.assertEqual(numbers.median_interval([6.0, 5.0, 4.0, 3.0, 2.0, 1.0]), (1.0, 6.0))
+        self.assertEqual(numbers.median_interval([float(i) for i in range(1, 10)]), (2.0, 8.0))
 
 
 class Choices(TemporaryFolder):
