@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from .records import FRAME_PHASES, Record, Run, Value, whole
 
-STRUCTURE_ORDER = "list bvh octree kdtree bsp grid ray_classification embree".split()
+STRUCTURE_ORDER = "list bvh octree kdtree bsp grid recursive_grid ray_classification embree".split()
 PEERS = ("embree",)
 RAY_ORDER = "primary shadow reflection ambient_occlusion diffuse random image".split()
 ISA_ORDER = "scalar sse42 avx2 avx512".split()

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from .best_settings import best_settings_table
 from .bounding_volumes import volumes_table
 from .break_even import break_even_table
 from .cells import Cell, best_cells, finite, load_cells, rays_of, scenes_of, techniques_of
@@ -42,6 +43,7 @@ class Report:
     facts: list[str]
     verdict: list[Finding]
     best: Table
+    at_their_best: Table
     problems: Table
     left_out: Table
     techniques: Table
@@ -81,6 +83,7 @@ def make_report(runs: Sequence[Run], out: Path) -> Report:
         facts=[run_facts(run) for run in runs],
         verdict=verdict(runs, cells),
         best=best_table(cells),
+        at_their_best=best_settings_table(cells),
         problems=problem_table(cells, reasons),
         left_out=left_out_table(cells, reasons),
         techniques=technique_table(cells),

@@ -8,7 +8,9 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from .cells import SETTING, Cell, at_setting, describe_setting, finite, main_setting, rays_of, scenes_of
+from .best_settings import best_settings
+from .cells import SETTING, Cell, at_setting, describe_setting, finite, main_setting, rays_of, scenes_of, varying_settings
+from .figure_best import best_figure
 from .figure_dots import Dot, Panel, dot_figure
 from .figure_error import error_figure
 from .figure_scatter import Point, run_order_figure, scatter_figure
@@ -74,6 +76,7 @@ def drafts(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Draft]:
         scatter_draft(chosen, look_of, where),
         build_draft(chosen, look_of),
         peer_draft(cells, look_of),
+        *best_drafts(cells, look_of),
         *sweep_drafts(cells, look_of),
         memory_draft(cells, look_of),
         error_draft(cells, look_of),
@@ -187,6 +190,22 @@ def peer_draft(cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:
         "the median ratio; the geometric mean is over the scenes of triangles alone."
     )
     return Draft("speed_vs_peer", f"Speed against {peer}", caption, peer_figure(found, scene_sizes(cells), look_of))
+
+
+def best_drafts(cells: Sequence[Cell], look_of: dict[str, Look]) -> list[Draft]:
+    """A figure for each ray kind; none where structures were not measured at several settings."""
+    best = best_settings(cells)
+    varying = varying_settings([cell for cell in cells if cell.state == "ok"])
+    result = []
+    for rays in dict.fromkeys(kind for kind, _ in best):
+        figure = best_figure({scene: chosen for (kind, scene), chosen in best.items() if kind == rays}, varying, look_of)
+        caption = (
+            f"Each technique at its best, {rays} rays: at the setting, named on the right, in which its median time is least. Filled: the best of the scene in that measure. "
+            "Left is better but for speed; a technique without a mark has none of it. Steps are inner nodes opened and leaves or cells entered; build and memory include "
+            "what is made on demand, memory the scene."
+        )
+        result.append(Draft(f"side_by_side_{rays.split(' ')[0]}", f"Side by side: {rays} rays", caption, figure))
+    return result
 
 
 def sweep_drafts(cells: Sequence[Cell], look_of: dict[str, Look]) -> list[Draft]:

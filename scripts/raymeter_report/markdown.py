@@ -14,7 +14,8 @@ def markdown(report: Report, out: Path) -> str:
     verdict = "\n".join(f"{MARKS[one.level]} {escape(one.text)}  " for one in report.verdict)
     facts = [f"{escape(fact)} (`{run.name}`)" for fact, run in zip(report.facts, report.runs)]
     parts = [f"# raymeter: {escape(report.title)}", *facts, "## Overview", verdict]
-    parts += block(report.best, "### Fastest technique") + block(report.problems, "### Failed cells")
+    parts += block(report.best, "### Fastest technique") + block(report.at_their_best, "### Techniques at their best")
+    parts += block(report.problems, "### Failed cells")
     parts += block(report.left_out, "### Skipped and unfinished cells") + block(report.techniques, "### Techniques")
     parts += block(report.results, "## Results")
     parts += block(report.peer, "### Beside the peer")

@@ -27,13 +27,14 @@ STRUCTURE_COLOURS = {
     "list": "#8c8c8c",
     "bvh": "#0072b2",
     "grid": "#d55e00",
+    "recursive_grid": "#7b5ea7",
     "octree": "#009e73",
     "kdtree": "#cc79a7",
     "bsp": "#c28800",
     "ray_classification": "#2f9bcf",
     "embree": "#7a7200",
 }
-SPARE_COLOURS = ("#7b5ea7", "#8a5a3c", "#4d4d9f")
+SPARE_COLOURS = ("#8a5a3c", "#4d4d9f", "#a3541f")
 MARKERS = "osD^vPX<>ph*"
 
 RC = {
@@ -106,9 +107,9 @@ def looks(cells: Sequence[Cell]) -> dict[str, Look]:
     return result
 
 
-def new_figure(width: float, height: float) -> Figure:
-    """A figure in the common style; `matplotlib.rc_context(RC)` must be active (see `styled`)."""
-    figure = Figure(figsize=(width, height), layout="constrained")
+def new_figure(width: float, height: float, layout: str | None = "constrained") -> Figure:
+    """A figure in the common style; `matplotlib.rc_context(RC)` must be active (see `styled`). Without a layout the caller places the panels."""
+    figure = Figure(figsize=(width, height), layout=layout)
     FigureCanvasAgg(figure)  # measures text, so that labels can be placed where there is room
     return figure
 

@@ -11,7 +11,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run
-from raymeter_report import cells, figure_peer, figures, numbers, peer, records, shadow_cache, style, tables
+from raymeter_report import best_settings, cells, figure_peer, figures, numbers, peer, records, shadow_cache, style, tables
 from report_support import TemporaryFolder, run_cli
 
 
@@ -152,6 +152,29 @@ class Choices(TemporaryFolder):
         table = tables.simd_table(matrix)
         assert table is not None
         self.assertEqual([column.title for column in table.columns][3:], ["scalar", "avx2"])
+
+    def test_side_by_side_takes_each_structure_at_its_fastest(self) -> None:
+        variants = {"list": "volume=none", "bvh": "volume=aabb,builder=binned_sah", "grid": "density=2,max_resolution=256", "grid#8": "density=8,max_resolution=1024"}
+        matrix = self.matrix(packets=[1, 8], threads=[1, 2], structures=variants, scenes=["spd:tetra:6", "spd:balls:4"])
+        best = best_settings.best_settings(matrix)
+        self.assertEqual(list(best)[:2], [("primary", "spd:tetra:6"), ("primary", "spd:balls:4")])
+        for (rays, scene), chosen in best.items():
+            self.assertEqual([cell.technique[0] for cell in chosen], ["list", "bvh", "grid"])
+            for cell in chosen:
+                others = [one for one in matrix if (one.rays, one.scene, one.technique[0], one.summary["threads"]) == (rays, scene, cell.technique[0], 1.0)]
+                self.assertEqual(cell.number("median_ns_per_ray"), min(one.number("median_ns_per_ray") for one in others if one.state == "ok"))
+        bvh, grid = best["primary", "spd:tetra:6"][1:]
+        # A grid's cells are counted as nodes already; a hierarchy's leaves come on top.
+        self.assertAlmostEqual(best_settings.steps_per_ray(bvh) or 0, (bvh.number("node_visits_per_ray") or 0) * 4 / 3, places=3)
+        self.assertAlmostEqual(best_settings.steps_per_ray(grid) or 0, grid.number("node_visits_per_ray") or 0, places=3)
+        self.assertEqual(best_settings.setting_of(bvh, ["packet"]), "packet 8")
+        with style.styled():
+            names = [draft.name for draft in figures.best_drafts(matrix, style.looks(matrix))]
+        self.assertEqual(names, ["side_by_side_primary", "side_by_side_shadow", "side_by_side_diffuse"])
+        self.assertEqual(len(best_settings.best_settings_table(matrix).rows), 18)
+
+    def test_side_by_side_needs_a_choice_of_settings(self) -> None:
+        self.assertEqual(best_settings.best_settings(self.matrix()), {})
 
     def test_readme_figure(self) -> None:
         self.matrix()
