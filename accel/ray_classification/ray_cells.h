@@ -13,12 +13,11 @@
 
 namespace raymeter {
 
-/// What cells are made from: the scene's primitives with their padded boxes, and how its rays are divided.
+/// What cells are made from: the scene's primitives with their padded boxes, and how its rays are divided. Of the parameters those of a build count.
 struct ClassifiedScene {
   ClassifiedScene(const Scene& scene, const RayClassificationParams& params, int threads);
 
   const Pools& pools;
-  RayClassificationParams params;
   std::array<std::size_t, kPrimKindCount> first_prim{};  ///< of each kind in `prims`
   std::vector<PrimRef> prims;
   std::vector<Aabb> boxes;  ///< padded, of each of `prims`
@@ -38,7 +37,8 @@ struct ClassifiedScene {
 /// on threads or on what was traced before.
 class RayCells {
 public:
-  explicit RayCells(const ClassifiedScene& scene);
+  /// Of the parameters those of a query count.
+  RayCells(const ClassifiedScene& scene, const RayClassificationParams& params);
 
   /// The least memory in which every batch can be served: the lists of all six classes.
   [[nodiscard]] static std::size_t least_bytes(const ClassifiedScene& scene) noexcept;
@@ -50,6 +50,8 @@ public:
   [[nodiscard]] const std::vector<RayCell>& cells() const noexcept { return served_; }
   [[nodiscard]] const Column<std::int32_t>& cell_of_rays() const noexcept { return cell_of_rays_; }
   [[nodiscard]] const DemandStats& stats() const noexcept { return stats_; }
+  /// The most that cells and their lists have taken at any time: never more than memory_mb.
+  [[nodiscard]] std::size_t most_bytes() const noexcept { return most_bytes_; }
 
 private:
   struct Cell {
@@ -82,21 +84,24 @@ private:
   [[nodiscard]] std::vector<Candidate> list_of(const Cell& cell) const;
   [[nodiscard]] std::vector<Candidate> class_list(std::int32_t ray_class) const;
   void make_list(Cell& cell);
-  void keep(Cell& cell, const std::vector<Candidate>& list);
   std::int32_t new_cell(const CellAddress& address, std::int32_t parent);
   void drop_list(Cell& cell) noexcept;
   void make_room(std::size_t bytes);
+  void take(std::size_t bytes) noexcept;
   void remove_unused() noexcept;
   [[nodiscard]] static std::size_t list_bytes(std::int32_t count) noexcept;
   [[nodiscard]] Cell& at(std::int32_t cell) noexcept { return cells_[static_cast<std::size_t>(cell)]; }
   [[nodiscard]] const Cell& at(std::int32_t cell) const noexcept { return cells_[static_cast<std::size_t>(cell)]; }
 
   const ClassifiedScene& scene_;
+  int leaf_size_;
+  int min_rays_;
   std::size_t budget_;
   std::deque<Cell> cells_;  ///< places, some of them free
   std::vector<std::int32_t> free_;
   std::array<std::int32_t, kRayClasses> class_cell_;
-  std::size_t bytes_ = 0;  ///< of cells and lists
+  std::size_t bytes_ = 0;       ///< of cells and lists
+  std::size_t most_bytes_ = 0;  ///< at any time
   std::uint32_t batch_ = 0;
 
   std::array<std::vector<Share>, 64> waiting_;  ///< by the logarithm of rays * candidates

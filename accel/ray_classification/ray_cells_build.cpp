@@ -77,7 +77,10 @@ void RayCells::begin_with_classes(const RayOrder& rays) {
     const int bits = scene_.space.key_bits();
     const std::int32_t begin = lower_bound(rays, 0, ray_count, static_cast<std::uint64_t>(c) << bits);
     const std::int32_t end = lower_bound(rays, begin, ray_count, static_cast<std::uint64_t>(c + 1) << bits);
-    if (begin == end) continue;
+    if (begin == end) {
+      held_bytes_ += sizeof(Cell);  // another batch may have left it here, and it stays
+      continue;
+    }
     std::int32_t& cell = class_cell_[static_cast<std::size_t>(c)];
     if (cell < 0) {
       make_room(sizeof(Cell));
@@ -90,8 +93,7 @@ void RayCells::begin_with_classes(const RayOrder& rays) {
 
 bool RayCells::worth_splitting(const Share& share) const noexcept {
   const Cell& cell = at(share.cell);
-  const RayClassificationParams& params = scene_.params;
-  return cell.count > params.leaf_size && share.end - share.begin >= params.min_rays && cell.address.depth < scene_.space.depth(cell.address.ray_class) &&
+  return cell.count > leaf_size_ && share.end - share.begin >= min_rays_ && cell.address.depth < scene_.space.depth(cell.address.ray_class) &&
          cell.address.depth - cell.shrunk_depth < kPatience;
 }
 
@@ -127,9 +129,15 @@ void RayCells::split_round(const RayOrder& rays, std::vector<Share>& round) {
   round.clear();
 }
 
-/// Makes those halves that have rays and are not there, from the lists of the cells that are split.
+/// Makes those halves that have rays and are not there, from the lists of the cells that are split. Halves that are there are the batch's from now on: else
+/// making room for the others might remove them, to be made again.
 void RayCells::make_halves(const std::vector<Share>& round, const std::vector<std::int32_t>& middle) {
   const auto has_rays = [&](std::size_t i, std::size_t side) noexcept { return side == 0 ? middle[i] > round[i].begin : middle[i] < round[i].end; };
+  for (std::size_t i = 0; i < round.size(); ++i) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (const std::int32_t child = at(round[i].cell).child[side]; has_rays(i, side) && child >= 0) at(child).used = batch_;
+    }
+  }
   std::size_t needed = 0;
   std::vector<std::int32_t> without_list, fresh;
   for (std::size_t i = 0; i < round.size(); ++i) {
@@ -146,7 +154,7 @@ void RayCells::make_halves(const std::vector<Share>& round, const std::vector<st
   }
   if (needed > 0) make_room(needed);
   for_each(without_list, [&](std::int32_t cell) { make_list(at(cell)); });
-  for (const std::int32_t cell : without_list) bytes_ += list_bytes(at(cell).count);
+  for (const std::int32_t cell : without_list) take(list_bytes(at(cell).count));
   for (std::size_t i = 0; i < round.size(); ++i) {
     for (std::size_t side = 0; side < 2; ++side) {
       const std::int32_t parent = round[i].cell;
@@ -160,7 +168,7 @@ void RayCells::make_halves(const std::vector<Share>& round, const std::vector<st
     }
   }
   for_each(fresh, [&](std::int32_t cell) { make_list(at(cell)); });
-  for (const std::int32_t cell : fresh) bytes_ += list_bytes(at(cell).count);
+  for (const std::int32_t cell : fresh) take(list_bytes(at(cell).count));
 }
 
 /// Makes the lists that serving cells lack, and tells each ray its cell.
@@ -175,7 +183,7 @@ void RayCells::publish(const RayOrder& rays) {
   }
   if (needed > 0) make_room(needed);
   for_each(missing, [&](std::int32_t cell) { make_list(at(cell)); });
-  bytes_ += needed;
+  take(needed);
 
   cell_of_rays_.resize(rays.key.size());
   served_.resize(leaves_.size());

@@ -8,9 +8,8 @@
 
 namespace raymeter {
 
-ClassifiedScene::ClassifiedScene(const Scene& scene, const RayClassificationParams& given, int threads)
+ClassifiedScene::ClassifiedScene(const Scene& scene, const RayClassificationParams& params, int threads)
     : pools(scene.pools()),
-      params(given),
       prims([&] {
         std::vector<PrimRef> all;
         for (std::size_t kind = 0; kind < kPrimKindCount; ++kind) {
@@ -29,7 +28,10 @@ ClassifiedScene::ClassifiedScene(const Scene& scene, const RayClassificationPara
 
 std::size_t ClassifiedScene::mem_bytes() const noexcept { return prims.capacity() * sizeof(PrimRef) + boxes.capacity() * sizeof(Aabb) + space.mem_bytes(); }
 
-RayCells::RayCells(const ClassifiedScene& scene) : scene_(scene), budget_(static_cast<std::size_t>(scene.params.memory_mb * 0x1p20)) { class_cell_.fill(-1); }
+RayCells::RayCells(const ClassifiedScene& scene, const RayClassificationParams& params)
+    : scene_(scene), leaf_size_(params.leaf_size), min_rays_(params.min_rays), budget_(static_cast<std::size_t>(params.memory_mb * 0x1p20)) {
+  class_cell_.fill(-1);
+}
 
 std::size_t RayCells::list_bytes(std::int32_t count) noexcept {
   constexpr std::size_t kAllocation = 16;  // what the heap adds, and to what it rounds
@@ -109,8 +111,13 @@ std::int32_t RayCells::new_cell(const CellAddress& address, std::int32_t parent)
   cell = Cell{};
   cell.address = address;
   cell.parent = parent;
-  bytes_ += sizeof(Cell);
+  take(sizeof(Cell));
   return place;
+}
+
+void RayCells::take(std::size_t bytes) noexcept {
+  bytes_ += bytes;
+  most_bytes_ = std::max(most_bytes_, bytes_);
 }
 
 void RayCells::drop_list(Cell& cell) noexcept {

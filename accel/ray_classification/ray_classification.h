@@ -18,13 +18,13 @@ struct RayClassificationParams {
   static auto fields() {
     using Field = Param<RayClassificationParams>;
     return std::array{
-        Field{"leaf_size", &RayClassificationParams::leaf_size, "a cell of so many candidates is not split", 1, 4096},
+        Field{"leaf_size", &RayClassificationParams::leaf_size, "a cell of so many candidates is not split", 1, 4096, {}, ParamUse::query},
         Field{"split", &RayClassificationParams::split, "the axis to split on: where cells spread the beam most, or each in turn", 0, 0, {"widest", "cycle"}},
         Field{"max_depth", &RayClassificationParams::max_depth, "splits, each into halves, from one of the six directions to a cell, at most", 0, 56},
         Field{"position_bits", &RayClassificationParams::position_bits, "splits of each axis of the rays' origins, at most", 0, 12},
         Field{"direction_bits", &RayClassificationParams::direction_bits, "splits of each axis of the rays' directions, at most", 0, 12},
-        Field{"min_rays", &RayClassificationParams::min_rays, "a cell with fewer rays of a batch is not split for it", 1, 1 << 20},
-        Field{"memory_mb", &RayClassificationParams::memory_mb, "megabytes (2^20) for the cells of one set of queries", 1.0 / 16, 1 << 20},
+        Field{"min_rays", &RayClassificationParams::min_rays, "a cell with fewer rays of a batch is not split for it", 1, 1 << 20, {}, ParamUse::query},
+        Field{"memory_mb", &RayClassificationParams::memory_mb, "megabytes (2^20) for the cells of one set of queries", 1.0 / 16, 1 << 20, {}, ParamUse::query},
     };
   }
 };

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <string>
@@ -19,21 +18,15 @@ namespace {
 
 using Classify = void (*)(const RayClassFrame&, const RayView&, std::int32_t, std::int32_t, std::uint64_t*) noexcept;
 
-Classify classify_for(Isa isa) noexcept {
-  static constexpr std::array<Classify, 4> kernels{ClassifyKernel<Isa::scalar>::keys, ClassifyKernel<Isa::sse42>::keys, ClassifyKernel<Isa::avx2>::keys,
-                                                   ClassifyKernel<Isa::avx512>::keys};
-  return kernels[static_cast<std::size_t>(isa)];
-}
-
 /// Owns the cells that its batches have made: memory_mb is for these.
 class Classifier final : public Intersector, public OnDemand {
 public:
-  Classifier(const ClassifiedScene& scene, const Pools& pools, const QueryOptions& options)
+  Classifier(const ClassifiedScene& scene, const Pools& pools, const RayClassificationParams& params, const QueryOptions& options)
       : scene_(scene),
-        classify_(classify_for(options.isa)),
+        classify_(for_isa(options.isa, []<Isa I>() -> Classify { return ClassifyKernel<I>::keys; })),
         kernels_(kernels_for<RayClassificationKernel, RayCellsView>(options.isa)),
         packet_(options.packet),
-        cells_(scene) {
+        cells_(scene, params) {
     view_.pools = pools.view();
     for (std::size_t kind = 0; kind < kPrimKindCount; ++kind) view_.prim_count[kind] = static_cast<std::int32_t>(pools.size(static_cast<PrimKind>(kind)));
   }
@@ -99,11 +92,6 @@ class RayClassification final : public Structure {
 public:
   RayClassification(const Scene& scene, const RayClassificationParams& params, int threads)
       : scene_(scene, params, threads), pools_(reordered(scene.pools(), scene_.prims)) {
-    const double least = static_cast<double>(RayCells::least_bytes(scene_)) * 0x1p-20;
-    if (params.memory_mb < least) {
-      throw Error("memory_mb: " + to_string(ParamValue(params.memory_mb)) + " is too little for the lists of " + std::to_string(scene_.prims.size()) +
-                  " primitives; expected at least " + to_string(ParamValue(std::ceil(least * 16) / 16)));
-    }
     stats_.leaves = kRayClasses;
     stats_.references = 0;
     for (std::int32_t c = 0; c < kRayClasses; ++c) stats_.max_depth = std::max(stats_.max_depth.value_or(0), std::int64_t{scene_.space.depth(c)});
@@ -111,7 +99,13 @@ public:
   }
   [[nodiscard]] const BuildStats& stats() const noexcept override { return stats_; }
   [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
-    return std::make_unique<Classifier>(scene_, pools_, options);
+    const auto params = bind<RayClassificationParams>(options.params);
+    const double least = static_cast<double>(RayCells::least_bytes(scene_)) * 0x1p-20;
+    if (params.memory_mb < least) {
+      throw Error("memory_mb: " + to_string(ParamValue(params.memory_mb)) + " is too little for the lists of " + std::to_string(scene_.prims.size()) +
+                  " primitives; expected at least " + to_string(ParamValue(std::ceil(least * 16) / 16)));
+    }
+    return std::make_unique<Classifier>(scene_, pools_, params, options);
   }
 
 private:

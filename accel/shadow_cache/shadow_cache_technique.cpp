@@ -4,9 +4,9 @@
 #include "accel/shadow_cache/shadow_cache.h"
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
+#include "accel/kernel_set.h"
 #include "accel/shadow_cache/blocker_table.h"
 #include "accel/shadow_cache/shadow_cache_kernel.h"
 #include "core/stats/policy.h"
@@ -33,10 +33,7 @@ private:
     Function counted;
   };
   static const Kernels& kernels_for(Isa isa) noexcept {
-    static constexpr auto set = []<Isa I>() { return Kernels{ShadowCacheKernel<I, NoStats>::any, ShadowCacheKernel<I, CountStats>::any}; };
-    static constexpr std::array sets{set.template operator()<Isa::scalar>(), set.template operator()<Isa::sse42>(), set.template operator()<Isa::avx2>(),
-                                     set.template operator()<Isa::avx512>()};
-    return sets[static_cast<std::size_t>(isa)];
+    return for_isa(isa, []<Isa I>() { return Kernels{ShadowCacheKernel<I, NoStats>::any, ShadowCacheKernel<I, CountStats>::any}; });
   }
 
   PoolsView pools_;

@@ -1,7 +1,7 @@
-#include <array>
 #include <functional>
 #include <vector>
 
+#include "accel/kernel_set.h"
 #include "accel/zbuffer/bins.h"
 #include "accel/zbuffer/cell_runs.h"
 #include "accel/zbuffer/drawn_samples.h"
@@ -24,12 +24,7 @@ struct ZbufferKernels {
 
 template <class Stats>
 ZbufferKernels zbuffer_kernels(Isa isa) noexcept {
-  static constexpr auto set = []<Isa I>() {
-    return ZbufferKernels{ZbufferKernel<I, Stats>::list, ZbufferKernel<I, Stats>::draw, ZbufferKernel<I, Stats>::meet};
-  };
-  static constexpr std::array sets{set.template operator()<Isa::scalar>(), set.template operator()<Isa::sse42>(), set.template operator()<Isa::avx2>(),
-                                   set.template operator()<Isa::avx512>()};
-  return sets[static_cast<std::size_t>(isa)];
+  return for_isa(isa, []<Isa I>() { return ZbufferKernels{ZbufferKernel<I, Stats>::list, ZbufferKernel<I, Stats>::draw, ZbufferKernel<I, Stats>::meet}; });
 }
 
 class Zbuffer final : public FirstHit {

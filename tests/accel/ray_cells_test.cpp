@@ -103,9 +103,10 @@ TEST(RayCells, ListEverythingThatTheirRaysHit) {
   for (const Scene& scene : test::scenes()) {
     if (scene.prim_count() == 0) continue;
     const test::Reference reference(scene, Isa::scalar);
-    const ClassifiedScene classified(scene, params_with(1024), 1);
+    const RayClassificationParams params = params_with(1024);
+    const ClassifiedScene classified(scene, params, 1);
     const RayOrder order = ordered(classified, reference.rays);
-    RayCells cells(classified);
+    RayCells cells(classified, params);
     serve(cells, order);
     const auto candidates = candidates_of(classified, cells, order);
     std::size_t lost = 0;
@@ -124,7 +125,7 @@ TEST(RayCells, AreSplitUntilTheirListsAreShort) {
   params.position_bits = params.direction_bits = 12;
   const ClassifiedScene classified(scene, params, 1);
   const RayOrder order = ordered(classified, random_rays(classified, 2000, 3));
-  RayCells cells(classified);
+  RayCells cells(classified, params);
   serve(cells, order);
   std::int64_t longest = 0;
   for (const std::int32_t cell : cells.cell_of_rays()) longest = std::max<std::int64_t>(longest, cells.cells()[static_cast<std::size_t>(cell)].count);
@@ -134,9 +135,10 @@ TEST(RayCells, AreSplitUntilTheirListsAreShort) {
 
 TEST(RayCells, ListsAscendAlongTheDirection) {
   const Scene& scene = test::scene_named("mixed");
-  const ClassifiedScene classified(scene, params_with(1024), 1);
+  const RayClassificationParams params = params_with(1024);
+  const ClassifiedScene classified(scene, params, 1);
   const RayOrder order = ordered(classified, random_rays(classified, 5000, 4));
-  RayCells cells(classified);
+  RayCells cells(classified, params);
   serve(cells, order);
   for (const RayCell& cell : cells.cells()) {
     if (cell.list == nullptr) continue;
@@ -147,16 +149,17 @@ TEST(RayCells, ListsAscendAlongTheDirection) {
 TEST(RayCells, DoNotDependOnThreadsNorOnWhatWasTracedBefore) {
   const Scene scene = load_scene("gen:terrain:2000");
   for (const double memory_mb : {1024.0, 1.0, 0.375}) {
-    const ClassifiedScene classified(scene, params_with(memory_mb, 4), 1);
+    const RayClassificationParams params = params_with(memory_mb, 4);
+    const ClassifiedScene classified(scene, params, 1);
     const RayOrder batch = ordered(classified, random_rays(classified, 4000, 5)), other = ordered(classified, random_rays(classified, 6000, 6));
-    RayCells fresh(classified);
+    RayCells fresh(classified, params);
     serve(fresh, batch);
     const auto expected = lists_of(fresh);
     const DemandStats stats = fresh.stats();
     serve(fresh, batch);
     EXPECT_EQ(lists_of(fresh), expected) << "the steady pass, " << memory_mb;
     for (const int threads : {1, 2, 7}) {
-      RayCells used(classified);
+      RayCells used(classified, params);
       for (int round = 0; round < 2; ++round) {
         serve(used, other, threads);
         serve(used, batch, threads);
@@ -172,8 +175,9 @@ TEST(RayCells, StayInsideTheirBudgetAndListLessWhereItIsLarger) {
   const Scene scene = load_scene("gen:terrain:2000");
   std::vector<double> per_ray;
   for (const double memory_mb : {0.25, 0.5, 1.0, 2.0, 4.0, 64.0}) {
-    const ClassifiedScene classified(scene, params_with(memory_mb), 1);
-    RayCells cells(classified);
+    const RayClassificationParams params = params_with(memory_mb);
+    const ClassifiedScene classified(scene, params, 1);
+    RayCells cells(classified, params);
     for (const std::uint64_t seed : {7, 8, 9, 7}) {
       const RayOrder order = ordered(classified, random_rays(classified, 4000, seed));
       serve(cells, order, 2);
@@ -190,13 +194,37 @@ TEST(RayCells, StayInsideTheirBudgetAndListLessWhereItIsLarger) {
   }
 }
 
+/// To the byte: all objects lie in one place, so that cells take what was foreseen for them and not less, in batches of one class after batches of all.
+TEST(RayCells, NeverTakeMoreThanTheirBudget) {
+  Scene scene;
+  for (int i = 0; i < 20; ++i) scene.add_triangle({0, 0, 0}, {1, 0, 0.5}, {0, 1, 0.25});
+  scene.finish();
+  for (int budget = 0; budget < 32; ++budget) {
+    RayClassificationParams params = params_with((65536 + 16 * budget) * 0x1p-20);
+    params.leaf_size = 1;
+    const ClassifiedScene classified(scene, params, 1);
+    const RayBatch all = random_rays(classified, 20000, 6);
+    RayBatch one;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      Ray ray = all[i];
+      ray.dir[0] = 2;  // others are at most 1
+      one.push_back(ray);
+    }
+    RayCells cells(classified, params);
+    for (const RayBatch* rays : {&all, static_cast<const RayBatch*>(&one), &all}) serve(cells, ordered(classified, *rays));
+    EXPECT_LE(cells.most_bytes(), static_cast<std::size_t>(params.memory_mb * 0x1p20));
+    EXPECT_GT(cells.most_bytes(), std::size_t{65000}) << "it is used";
+  }
+}
+
 TEST(RayCells, SplittingEndsWhereItHelpsNothing) {
   Scene scene;
   for (int i = 0; i < 1000; ++i) scene.add_triangle({0, 0, 0}, {1, 0, 0.5}, {0, 1, 0.25});
   scene.finish();
-  const ClassifiedScene classified(scene, params_with(1024), 1);
+  const RayClassificationParams params = params_with(1024);
+  const ClassifiedScene classified(scene, params, 1);
   const RayOrder order = ordered(classified, random_rays(classified, 2000, 10));
-  RayCells cells(classified);
+  RayCells cells(classified, params);
   serve(cells, order);
   // Every list holds all or none: what remains is splitting until none is held.
   for (const RayCell& cell : cells.cells()) EXPECT_TRUE(cell.count == 0 || cell.count == 1000);
