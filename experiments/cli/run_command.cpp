@@ -56,10 +56,12 @@ std::string count_text(const RunResult& result) {
 
 ExitCode exit_code(const RunResult& result) {
   if (result.stopped == StopReason::interrupted) return ExitCode::interrupted;
+  bool refused = false;
   for (const auto& [status, count] : result.cells) {
-    if (count > 0 && status != Status::ok && status != Status::skipped) return ExitCode::incomplete;
+    if (count > 0 && status != Status::ok && status != Status::skipped && status != Status::refused) return ExitCode::incomplete;
+    refused = refused || (count > 0 && status == Status::refused);
   }
-  return ExitCode::success;
+  return refused ? ExitCode::usage : ExitCode::success;
 }
 
 ExitCode run(const Cli& cli, Options& options) {

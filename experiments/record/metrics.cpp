@@ -132,7 +132,7 @@ constexpr std::array kMetrics{
     Metric{Table::summary, "ratio_lo", neither, "distribution-free 95 % interval of that median, lower end"},
     Metric{Table::summary, "ratio_hi", neither, "upper end"},
     Metric{Table::summary, "hit_mismatch", exact, "rays whose hit, or pixels whose colour, differ from the reference technique's or from the oracle"},
-    Metric{Table::summary, "status", neither, "ok, wrong, skipped, timeout, failed or unfinished"},
+    Metric{Table::summary, "status", neither, "ok, wrong, skipped, timeout, failed, refused (parameters that do not suit the scene) or unfinished"},
 
     Metric{Table::break_even, "against", neither, "cell_id of another technique in the same scene, rays and setting"},
     Metric{Table::break_even, "break_even_rays", lower, "as in builds, against that one"},

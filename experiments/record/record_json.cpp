@@ -23,7 +23,7 @@ std::optional<T> optional_value(const nlohmann::json& json) {
 }
 
 Status status_from_name(const std::string& text) {
-  for (const Status status : {Status::ok, Status::wrong, Status::skipped, Status::timeout, Status::failed}) {
+  for (const Status status : {Status::ok, Status::wrong, Status::skipped, Status::timeout, Status::failed, Status::refused}) {
     if (name(status) == text) return status;
   }
   throw std::invalid_argument(text);

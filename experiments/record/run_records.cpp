@@ -6,7 +6,7 @@
 namespace raymeter {
 
 std::string_view name(Status status) noexcept {
-  constexpr std::array<std::string_view, 6> names{"ok", "wrong", "skipped", "timeout", "failed", "unfinished"};
+  constexpr std::array<std::string_view, 7> names{"ok", "wrong", "skipped", "timeout", "failed", "refused", "unfinished"};
   return names[static_cast<std::size_t>(status)];
 }
 

@@ -18,8 +18,8 @@ namespace raymeter {
 
 // What a run writes down as it goes, one JSON line each, in samples.jsonl; every table is derived from these.
 
-/// How a cell ended. `unfinished` is never written: it is the lack of anything else.
-enum class Status : std::uint8_t { ok, wrong, skipped, timeout, failed, unfinished };
+/// How a cell ended. `refused`: its parameters do not suit its scene. `unfinished` is never written: it is the lack of anything else.
+enum class Status : std::uint8_t { ok, wrong, skipped, timeout, failed, refused, unfinished };
 [[nodiscard]] std::string_view name(Status status) noexcept;
 
 struct SceneRecord {

@@ -144,7 +144,7 @@ void SceneRun::build(const std::string& text, std::span<const Experiment* const>
   } catch (const std::bad_alloc&) {
     for (const Experiment* cell : cells) end(*cell, Status::failed, "out of memory while building");
   } catch (const Error& error) {
-    for (const Experiment* cell : cells) end(*cell, Status::failed, error.what());
+    for (const Experiment* cell : cells) end(*cell, Status::refused, error.what());
   }
 }
 
@@ -157,7 +157,7 @@ void SceneRun::make_ray_sets() {
   for (const Experiment& cell : cells_) {
     if (!unfinished(cell)) continue;
     if (cell.rays.image()) {
-      live_.push_back(make_live(cell, nullptr));
+      add_live(cell, nullptr);
       continue;
     }
     const auto [found, added] = ray_sets_.try_emplace(cell.rays.name);
@@ -170,7 +170,15 @@ void SceneRun::make_ray_sets() {
       end(cell, Status::skipped, "no such rays: nothing is hit, or the file is empty");
       continue;
     }
-    live_.push_back(make_live(cell, &rays));
+    add_live(cell, &rays);
+  }
+}
+
+void SceneRun::add_live(const Experiment& cell, const RaySet* rays) {
+  try {
+    live_.push_back(make_live(cell, rays));
+  } catch (const Error& error) {
+    end(cell, Status::refused, error.what());
   }
 }
 

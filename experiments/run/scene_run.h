@@ -65,6 +65,7 @@ private:
   void build_all();
   void build(const std::string& build, std::span<const Experiment* const> cells);
   void make_ray_sets();
+  void add_live(const Experiment& cell, const RaySet* rays);
   [[nodiscard]] Live make_live(const Experiment& cell, const RaySet* rays) const;
   [[nodiscard]] RaySet make_ray_set(const Experiment& cell, const Intersector& tracer) const;
   void check_all();

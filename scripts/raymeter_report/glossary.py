@@ -43,7 +43,7 @@ GLOSSARY: dict[str, list[Term]] = {
         Term("ratio_vs_ref", "×", "Time divided by the reference technique's in the same round of samples; above 1 is slower."),
         Term("ratio_lo, ratio_hi", "×", "95 % confidence interval of that ratio."),
         Term("hit_mismatch", "rays", "Rays whose hit differs from the oracle's or the reference technique's. Must be 0."),
-        Term("status", "", "ok; wrong (hits, therefore no timing); skipped (the machine lacks the ISA); timeout; failed; unfinished (interrupted)."),
+        Term("status", "", "ok; wrong (hits, therefore no timing); skipped (the machine lacks the ISA); timeout; failed; refused (parameters that do not suit the scene); unfinished (interrupted)."),
     ],
     "counters.csv": [
         Term("ray_count", "rays", "Rays over which was counted."),

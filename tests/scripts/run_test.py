@@ -128,6 +128,15 @@ class RunTest(RunInFolder):
         result = self.raymeter("run", self.write(config()), "--progress", "none", env=bare)
         self.assertEqual((result.returncode, result.stderr), (0, "16 cells: 16 ok\n"))
 
+    def test_parameters_that_do_not_suit_the_scene_are_a_config_error(self) -> None:
+        cells = {"scene": ["spd:balls:4"], "structure": [{"name": "ray_classification", "memory_mb": [0.0625, 16]}]}
+        result = self.raymeter("run", self.write(config(matrix=cells)), "--out", "r", "--progress", "none")
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn("memory_mb: 0.0625 is too little for the lists of 7382 primitives; expected at least", result.stderr)
+        status = {"0.0625": {"refused"}, "16": {"ok"}}
+        for row in self.rows(self.folder / "r", "summary"):
+            self.assertIn(row["status"], status[row["params"].rsplit("memory_mb=")[1]], row)
+
     def test_a_cell_that_takes_too_long_times_out(self) -> None:
         result = self.raymeter("run", self.write(config(measure={"timeout_s": 0})), "--out", "r", "--progress", "none")
         self.assertEqual(result.returncode, 7, result.stderr)
