@@ -24,7 +24,7 @@ void trace_by_lanes(const GridView& grid, const TraceArgs& args, Stats stats) no
 template <Query Q, class L, class Stats>
 void trace_by_slices(const GridView& grid, const TraceArgs& args, Stats stats) noexcept {
   if (args.packet == 1) return trace_by_lanes<Q, L>(grid, args, stats);  // a beam around one ray shares nothing
-  const std::int32_t in_beam = args.packet < kSliceBeamRays ? args.packet : kSliceBeamRays;
+  const std::int32_t in_beam = args.packet < kBeamRays ? args.packet : kBeamRays;
   with_groups<L>(in_beam, [&]<int kGroups>() noexcept { trace_slices<Q, L, kGroups>(grid, args, stats); });
 }
 

@@ -41,7 +41,7 @@ public:
       stride_[a] = stride;
       stride *= grid_.frame.resolution[a];
     }
-    const std::int64_t most = kCellsPerRay * kSliceBeamRays * beams_.count;
+    const std::int64_t most = kCellsPerRay * kBeamRays * beams_.count;
     beams_.cover(beams_.begin, beams_.begin);
     if (beams_.rectangle().size() > most) return false;
     beams_.cover(beams_.end, beams_.end);
@@ -138,36 +138,13 @@ private:
         const std::uint32_t listed = ref >> GridRef::kIndexBits;
         if (grid_.mailbox && ((listed & here) != 0 || (listed & before) == before)) continue;
         const auto index = static_cast<std::int32_t>(ref & GridRef::kIndexMask);
-        for (std::uint32_t left = beams_that_meet(index); left != 0; left &= left - 1) {
+        for (std::uint32_t left = beams_.that_meet(grid_.pools, kind_, index); left != 0; left &= left - 1) {
           const int b = __builtin_ctz(left);
           list_[b][wanted_[b]++] = index;
           if (wanted_[b] == kBatch) test(b);
         }
       }
     }
-  }
-  [[nodiscard]] std::uint32_t beams_that_meet(std::int32_t index) const noexcept {
-    const PoolsView& pools = grid_.pools;
-    if (kind_ == PrimKind::triangle) return beams_.that_meet(pools.triangles, index);
-    float low[3], high[3];
-    for (int a = 0; a < 3; ++a) {
-      switch (kind_) {
-        case PrimKind::triangle: break;
-        case PrimKind::sphere:
-          low[a] = pools.spheres.center[a][index] - pools.spheres.radius[index];
-          high[a] = pools.spheres.center[a][index] + pools.spheres.radius[index];
-          break;
-        case PrimKind::polygon:
-          low[a] = pools.polygons.box_min[a][index];
-          high[a] = pools.polygons.box_max[a][index];
-          break;
-        case PrimKind::cone:
-          low[a] = pools.cones.box_min[a][index];
-          high[a] = pools.cones.box_max[a][index];
-          break;
-      }
-    }
-    return beams_.that_meet(low, high);
   }
   void flush() noexcept {
     for (int b = 0; b < beams_.count; ++b) {
@@ -189,24 +166,21 @@ private:
   PrimKind kind_ = PrimKind::triangle;  ///< of the lists
   std::int32_t stride_[3] = {};
   CellRectangle before_;  ///< of the last slice
-  std::int32_t wanted_[kSliceBeams] = {};
-  std::int32_t list_[kSliceBeams][kBatch];
+  std::int32_t wanted_[kBeams] = {};
+  std::int32_t list_[kBeams][kBatch];
 };
 
 template <Query Q, class L, int kGroups, class Stats>
 void trace_slices(const GridView& grid, const TraceArgs& args, Stats stats) noexcept {
-  const auto at_most = [](std::int32_t count, std::int32_t most) noexcept { return count < most ? count : most; };
   SliceBeams<L, kGroups> beams;
   for (std::int32_t first = 0; first < args.rays.count; first += args.packet) {
-    const std::int32_t count = at_most(args.rays.count - first, args.packet);
-    beams.count = 0;
-    for (std::int32_t r = 0; r < count; r += kSliceBeamRays) load_packet(args.rays, first + r, at_most(count - r, kSliceBeamRays), beams.rays[beams.count++]);
+    const std::int32_t left = args.rays.count - first;
+    const std::int32_t count = left < args.packet ? left : args.packet;
+    beams.load(args.rays, first, count);
     if (!SliceWalk<Q, L, kGroups, Stats>(grid, beams, stats).run()) {
       for (int b = 0; b < beams.count; ++b) traverse_by_lanes<Q, L, kGroups>(grid, beams.rays[b], stats);
     }
-    for (std::int32_t r = 0; r < count; r += kSliceBeamRays) {
-      store_packet<Q>(args, first + r, at_most(count - r, kSliceBeamRays), beams.rays[r / kSliceBeamRays]);
-    }
+    beams.template store<Q>(args, first, count);
   }
 }
 

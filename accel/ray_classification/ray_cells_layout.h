@@ -21,6 +21,7 @@ inline constexpr int kHalfBits = 6;
 
 /// How rays become keys. Key: class, then one bit for each split, the first one highest: a cell's rays are those whose keys begin like it.
 struct RayClassFrame {
+  bool beams;    ///< long lists are culled by the packets' own beams
   float box[6];  ///< around all that can be hit: min x y z, max x y z
   float center[3];
   float reach[3];    ///< a ray's origin may lie so far from `center`
@@ -54,6 +55,8 @@ struct RayCell {
 struct RayCellsView {
   PoolsView pools;
   std::int32_t prim_count[kPrimKindCount];
+  bool beams;    ///< long lists are culled by the packets' own beams
+  float box[6];  ///< around all that can be hit: min x y z, max x y z
   const RayCell* cells;
   const std::int32_t* cell;   ///< of each ray of the slice, in order
   const std::int32_t* order;  ///< its place in the batch

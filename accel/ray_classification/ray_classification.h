@@ -13,6 +13,7 @@ struct RayClassificationParams {
   int position_bits = 10;
   int direction_bits = 10;
   int min_rays = 16;
+  bool beams = false;
   double memory_mb = 256;
 
   static auto fields() {
@@ -24,6 +25,13 @@ struct RayClassificationParams {
         Field{"position_bits", &RayClassificationParams::position_bits, "splits of each axis of the rays' origins, at most", 0, 12},
         Field{"direction_bits", &RayClassificationParams::direction_bits, "splits of each axis of the rays' directions, at most", 0, 12},
         Field{"min_rays", &RayClassificationParams::min_rays, "a cell with fewer rays of a batch is not split for it", 1, 1 << 20, {}, ParamUse::query},
+        Field{"beams",
+              &RayClassificationParams::beams,
+              "packets test of long lists only what their own beams meet, which are thinner than cells",
+              0,
+              0,
+              {},
+              ParamUse::query},
         Field{"memory_mb", &RayClassificationParams::memory_mb, "megabytes (2^20) for the cells of one set of queries", 1.0 / 16, 1 << 20, {}, ParamUse::query},
     };
   }

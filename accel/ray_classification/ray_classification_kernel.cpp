@@ -3,16 +3,17 @@
 // (classify_kernel.cpp, ray_order.h), and rays come sorted by cells, so that a packet, gathered from anywhere in the batch, shares one list.
 //
 // Events: leaf_visit once per ray, for its cell; of these empty_leaf_visit where its list is empty; prim_test per candidate that begins before the ray's
-// nearest hit so far. No nodes. Rays that miss the scene's box visit nothing.
+// nearest hit so far and, where the list is long, meets the beam of its neighbours in the packet. No nodes. Rays that miss the scene's box visit nothing.
 //
 // Why no hit is lost. A cell's list holds all primitives that its rays can hit (beam.h). The search ends, and single candidates are passed over, where one
-// begins beyond the nearest hit: by the slab test of its padded box on the dominant axis alone, which is looser than that of the box. Rays of which beams know
-// nothing, because they start too far away, are tested against everything.
+// begins beyond the nearest hit: by the slab test of its padded box on the dominant axis alone, which is looser than that of the box; beams of a packet are
+// conservative by themselves (beam_kernel.h). Rays of which cells' beams know nothing, because they start too far away, are tested against everything.
 //
 // It ends after as many steps as the list has candidates.
 
 #include "accel/ray_classification/ray_classification_kernel.h"
 
+#include "accel/packet_beams_kernel.h"
 #include "core/geometry/run_kernel.h"
 #include "core/ray/packet_loop.h"
 #include "core/stats/policy.h"
@@ -23,6 +24,8 @@ namespace {
 
 /// Candidates that are tested between two looks at whether any ray has need of more.
 constexpr std::int32_t kBlock = 8;
+/// A list of so many candidates is not worth making beams for.
+constexpr std::int32_t kFew = 8;
 
 /// The lanes for which a candidate begins no later than their nearest hit.
 template <class L>
@@ -67,6 +70,63 @@ void visit_cell(const RayCellsView& view, const RayCell& cell, Packet<L, kGroups
   }
 }
 
+/// A long list, of which a packet's own beams, thinner than the cell, take what they meet.
+template <Query Q, class L, int kGroups, class Stats>
+class LongList {
+public:
+  LongList(const RayCellsView& view, PacketBeams<L, kGroups>& beams, Stats stats) noexcept : view_(view), beams_(beams), stats_(stats) {}
+
+  /// Returns false where the packet has no beams.
+  bool visit(const RayCell& cell) noexcept {
+    beams_.find_alive();
+    Beam whole;
+    whole.axis = cell.ray_class >> 1;
+    whole.across[0] = whole.axis == 0 ? 1 : 0;
+    whole.across[1] = whole.axis == 2 ? 1 : 2;
+    whole.sign = (cell.ray_class & 1) != 0 ? -1.0f : 1.0f;
+    if (beams_.alive == 0 || !beams_.make(view_.box, whole)) return false;
+    for (std::int32_t k = 0; k < cell.count; ++k) {
+      const Candidate candidate = cell.list[k];
+      std::uint32_t reached = 0;
+      for (int b = 0; b < beams_.count; ++b) reached |= (candidate.start <= beams_.farthest[b] ? 1u : 0u) << b;
+      reached &= beams_.alive;
+      if (reached == 0) break;
+      const auto kind = static_cast<PrimKind>(candidate.kind());
+      if (kind != kind_) flush();
+      kind_ = kind;
+      for (std::uint32_t left = reached & beams_.that_meet(view_.pools, kind, candidate.index()); left != 0; left &= left - 1) {
+        const int b = __builtin_ctz(left);
+        met_[b][met_count_[b]++] = candidate.index();
+        if (met_count_[b] == kBlock) test(b);
+      }
+    }
+    flush();
+    return true;
+  }
+
+private:
+  void flush() noexcept {
+    for (int b = 0; b < beams_.count; ++b) {
+      if (met_count_[b] > 0) test(b);
+    }
+  }
+  void test(int b) noexcept {
+    Packet<L, kGroups>& rays = beams_.rays[b];
+    typename L::Mask lanes[Packet<L, kGroups>::kCapacity];
+    for (int g = 0; g < rays.group_count(); ++g) lanes[g] = rays.live(g);
+    test_refs<Q, L, kGroups>(rays, lanes, view_.pools, kind_, met_count_[b], ListedRefs{met_[b]}, stats_);
+    met_count_[b] = 0;
+    beams_.update_farthest(b);
+  }
+
+  const RayCellsView& view_;
+  PacketBeams<L, kGroups>& beams_;
+  Stats stats_;
+  PrimKind kind_ = PrimKind::triangle;  ///< of what has been met
+  std::int32_t met_count_[kBeams] = {};
+  std::int32_t met_[kBeams][kBlock];
+};
+
 template <Query Q, class L, int kGroups, class Stats>
 void visit_everything(const RayCellsView& view, Packet<L, kGroups>& packet, Stats stats) noexcept {
   typename L::Mask live[Packet<L, kGroups>::kCapacity];
@@ -95,8 +155,8 @@ struct Gathered {
   }
 
   template <Query Q, int kGroups>
-  void store(const TraceArgs& args, std::int32_t count, const Packet<L, kGroups>& packet) noexcept {
-    store_packet<Q>({{}, {t, prim, u, v, count}, prim, args.packet, nullptr}, 0, count, packet);
+  void store(const TraceArgs& args, std::int32_t count, const PacketBeams<L, kGroups>& beams) noexcept {
+    beams.template store<Q>({{}, {t, prim, u, v, count}, prim, args.packet, nullptr}, 0, count);
     for (std::int32_t k = 0; k < count; ++k) {
       const std::int32_t at = place[k];
       if constexpr (Q == Query::any) {
@@ -123,9 +183,28 @@ void store_miss(const TraceArgs& args, std::int32_t at) noexcept {
   }
 }
 
+/// A packet's rays, which are all in one cell.
+template <Query Q, class L, int kGroups, class Stats>
+void visit(const RayCellsView& view, const RayCell& cell, PacketBeams<L, kGroups>& beams, std::int32_t rays, Stats stats) noexcept {
+  for (int b = 0; b < beams.count; ++b) {
+    for (int g = 0; g < beams.rays[b].group_count(); ++g) {
+      stats.template count<Event::leaf_visit, L>(beams.rays[b].live(g));
+      if (Stats::kCounting && cell.count == 0) stats.template count<Event::empty_leaf_visit, L>(beams.rays[b].live(g));
+    }
+  }
+  const bool classified = cell.ray_class < kRayClasses;
+  if (view.beams && classified && rays > 1 && cell.count > kFew && LongList<Q, L, kGroups, Stats>(view, beams, stats).visit(cell)) return;
+  for (int b = 0; b < beams.count; ++b) {
+    if (classified)
+      visit_cell<Q>(view, cell, beams.rays[b], stats);
+    else
+      visit_everything<Q>(view, beams.rays[b], stats);
+  }
+}
+
 template <Query Q, class L, int kGroups, class Stats>
 void trace_slice(const RayCellsView& view, const TraceArgs& args, Stats stats) noexcept {
-  Packet<L, kGroups> packet;
+  PacketBeams<L, kGroups> beams;
   Gathered<L> rays;
   for (std::int32_t first = 0; first < args.rays.count;) {
     const std::int32_t number = view.cell[first];
@@ -136,23 +215,17 @@ void trace_slice(const RayCellsView& view, const TraceArgs& args, Stats stats) n
     }
     std::int32_t count = 1;
     while (count < args.packet && first + count < args.rays.count && view.cell[first + count] == number) ++count;
-    load_packet(rays.load(args.rays, view.order + first, count), 0, count, packet);
-    for (int g = 0; g < packet.group_count(); ++g) {
-      stats.template count<Event::leaf_visit, L>(packet.live(g));
-      if (Stats::kCounting && cell.count == 0) stats.template count<Event::empty_leaf_visit, L>(packet.live(g));
-    }
-    if (cell.ray_class == kUnclassified)
-      visit_everything<Q>(view, packet, stats);
-    else
-      visit_cell<Q>(view, cell, packet, stats);
-    rays.template store<Q>(args, count, packet);
+    beams.load(rays.load(args.rays, view.order + first, count), 0, count);
+    visit<Q>(view, cell, beams, count, stats);
+    rays.template store<Q>(args, count, beams);
     first += count;
   }
 }
 
 template <Query Q, class L, class Stats>
 void trace(const RayCellsView& view, const TraceArgs& args, Stats stats) noexcept {
-  with_groups<L>(args.packet, [&]<int kGroups>() noexcept { trace_slice<Q, L, kGroups>(view, args, stats); });
+  const std::int32_t in_beam = args.packet < kBeamRays ? args.packet : kBeamRays;
+  with_groups<L>(in_beam, [&]<int kGroups>() noexcept { trace_slice<Q, L, kGroups>(view, args, stats); });
 }
 
 }  // namespace

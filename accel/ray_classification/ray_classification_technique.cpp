@@ -28,6 +28,8 @@ public:
         packet_(options.packet),
         cells_(scene, params) {
     view_.pools = pools.view();
+    view_.beams = params.beams;
+    std::copy_n(scene.space.frame().box, 6, view_.box);
     for (std::size_t kind = 0; kind < kPrimKindCount; ++kind) view_.prim_count[kind] = static_cast<std::int32_t>(pools.size(static_cast<PrimKind>(kind)));
   }
 

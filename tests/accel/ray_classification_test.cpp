@@ -94,15 +94,38 @@ TEST(RayClassification, AMillionAdversarialRaysHitWhatTheListHits) {
     HitBatch expected, hits;
     const auto list_structure = list.build(scene, list.resolve({}), 1);
     trace_closest(*list_structure->intersector({isa, 64, list.resolve({})}), rays, expected, 1);
-    const TechniqueSpec spec = parse_technique("ray_classification:min_rays=4");
-    const auto structure = spec.structure->build(scene, spec.params, 1);
-    const auto tracer = structure->intersector({isa, 16, spec.params});
-    tracer->prepare(rays.view(), Query::closest, 2);
-    Counters counters;
-    trace_closest(*tracer, rays, hits, 2, &counters);
-    test::expect_same_hits(hits, expected, rays);
-    EXPECT_LE(counters.live(Event::leaf_visit), rays.size()) << "a ray is in one cell";
-    EXPECT_LE(counters.live(Event::prim_test), rays.size() * static_cast<std::size_t>(scene.prim_count())) << "and tests no primitive twice";
+    // Small cells; and cells with long lists, which the beams of packets cull.
+    for (const auto& [technique, packet] : {std::pair{"ray_classification:min_rays=4", 16}, std::pair{"ray_classification:min_rays=2000,beams=true", 64}}) {
+      const TechniqueSpec spec = parse_technique(technique);
+      const auto structure = spec.structure->build(scene, spec.params, 1);
+      const auto tracer = structure->intersector({isa, packet, spec.params});
+      tracer->prepare(rays.view(), Query::closest, 2);
+      Counters counters;
+      trace_closest(*tracer, rays, hits, 2, &counters);
+      test::expect_same_hits(hits, expected, rays);
+      EXPECT_LE(counters.live(Event::leaf_visit), rays.size()) << "a ray is in one cell";
+      EXPECT_LE(counters.live(Event::prim_test), rays.size() * static_cast<std::size_t>(scene.prim_count())) << "and tests no primitive twice";
+    }
+  }
+}
+
+/// Packets take from the lists of their cells what their own beams meet, and lose nothing, whatever the rays.
+TEST(RayClassification, BeamsOfPacketsSaveTestsAndChangeNoAnswer) {
+  for (const char* name : {"mixed", "cones", "huge among tiny"}) {
+    const Scene& scene = test::scene_named(name);
+    const RayBatch coherent = test::coherent_rays(scene);
+    const test::Reference reference(scene, best_isa());
+    for (const RayBatch* rays : {&coherent, &reference.rays}) {
+      std::array<test::Traced, 2> traced;
+      for (const bool beams : {false, true}) {
+        const TechniqueSpec spec = parse_technique(beams ? "ray_classification:min_rays=1000,beams=true" : "ray_classification:min_rays=1000");
+        const auto structure = spec.structure->build(scene, spec.params, 1);
+        traced[beams ? 1 : 0] = test::trace(*structure, {best_isa(), kMaxPacket, spec.params}, *rays);
+      }
+      test::expect_same_hits(traced[1].hits, traced[0].hits, *rays);
+      for (std::size_t i = 0; i < rays->size(); ++i) EXPECT_EQ(traced[1].blockers[i] < 0, traced[0].blockers[i] < 0) << i;
+      if (rays == &coherent) EXPECT_LT(traced[1].closest.live(Event::prim_test), traced[0].closest.live(Event::prim_test)) << name;
+    }
   }
 }
 
