@@ -80,6 +80,7 @@ public:
   EmbreeIntersector(std::shared_ptr<const EmbreeScene> scene, const EmbreeParams& params)
       : scene_(std::move(scene)), mode_{mode_of(params), mode_of(params)}, ahead_(params.layout == "ahead") {}
 
+  [[nodiscard]] bool keeps_batch() const noexcept override { return true; }
   void prepare(const RayView& rays, Query query, int) override {
     if (rays.count == 0) return;
     std::optional<EmbreeMode>& mode = mode_[static_cast<std::size_t>(query)];

@@ -33,6 +33,7 @@ public:
     for (std::size_t kind = 0; kind < kPrimKindCount; ++kind) view_.prim_count[kind] = static_cast<std::int32_t>(pools.size(static_cast<PrimKind>(kind)));
   }
 
+  [[nodiscard]] bool keeps_batch() const noexcept override { return true; }
   void prepare(const RayView& rays, Query, int threads) override {
     batch_ = rays;
     const auto count = static_cast<std::size_t>(rays.count);

@@ -29,6 +29,6 @@ BlockerTable::BlockerTable(const Scene& scene, const ShadowCacheParams& params)
       forgets_(params.forget),
       object_(params.key == "light_object" ? object_numbers(scene) : Column<std::int32_t>()),
       stride_(entries_per_light(params, object_)),
-      entries_(scene.lights.size() * stride_, kNothing) {}
+      entries_(scene.lights.size() * stride_) {}
 
 }  // namespace raymeter

@@ -9,7 +9,7 @@ namespace raymeter {
 struct ShadowCacheParams {
   std::string key = "light_object";
   std::string update = "batch";
-  int batch = 4096;
+  int batch = 512;
   bool forget = false;
 
   static auto fields() {

@@ -48,6 +48,7 @@ public:
       : table_(scene, params), test_(scene, isa, 1), intersector_(intersector), scratch_(std::max<std::size_t>(64, intersector.scratch_bytes())) {}
 
   void begin() override { table_.clear(); }
+  [[nodiscard]] std::unique_ptr<Occlusion> for_tiles() const override { return nullptr; }
   void find(const RayBatch& rays, const ShadowOrigins& origins, Column<std::int32_t>& blocker, int, Counters* counters) override {
     blocker.resize(rays.size());
     Column<PrimRef> cached(1);  // a column, since kernels read past its end
@@ -80,6 +81,7 @@ public:
       : table_(scene, params), test_(scene, isa, packet), intersector_(intersector), batch_(static_cast<std::size_t>(params.batch)) {}
 
   void begin() override { table_.clear(); }
+  [[nodiscard]] std::unique_ptr<Occlusion> for_tiles() const override { return std::make_unique<BatchShadowCache>(*this); }
   void find(const RayBatch& rays, const ShadowOrigins& origins, Column<std::int32_t>& blocker, int threads, Counters* counters) override {
     blocker.resize(rays.size());
     for (std::size_t first = 0; first < rays.size(); first += batch_) {

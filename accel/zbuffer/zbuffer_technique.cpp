@@ -47,13 +47,14 @@ public:
 
   void find(const CameraModel&, const Column<std::int32_t>& pixels, const RayBatch& eye_rays, HitBatch& hits, int threads, Counters* counters) override {
     hits.resize(eye_rays.size());
-    kernels_ = counters != nullptr ? counted_ : timed_;
     const bool seeds = params_.mode == "seed";
-    if (seeds) seeded_ = eye_rays;
+    RayBatch seeded;  // the eye rays, ending at what they are shown
+    if (seeds) seeded = eye_rays;
     const CellRuns runs(plane_, pixels, packet_);
     std::vector<Counters> sums(counters != nullptr ? slice_count(eye_rays.size()) : 0);
     for_each_slice(eye_rays.size(), threads, [&](std::size_t slice, std::size_t first, std::size_t count) {
-      Slice work{.counters = counters != nullptr ? &sums[slice] : nullptr};
+      Slice work{
+          .kernels = counters != nullptr ? counted_ : timed_, .seeded = seeds ? &seeded : nullptr, .counters = counters != nullptr ? &sums[slice] : nullptr};
       for (std::size_t ray = first; ray < first + count; ray += static_cast<std::size_t>(work.run.count)) {
         runs.next(ray, first + count, work.run);
         find_run(eye_rays, hits, work);
@@ -64,13 +65,15 @@ public:
       if (counters != nullptr) counters->ray_count += eye_rays.size();
       return;
     }
-    intersector_.prepare(seeded_.view(), Query::closest, threads);
-    trace_closest(intersector_, seeded_, hits, threads, counters);
+    intersector_.prepare(seeded.view(), Query::closest, threads);
+    trace_closest(intersector_, seeded, hits, threads, counters);
   }
 
 private:
   /// What a slice works with.
   struct Slice {
+    const ZbufferKernels& kernels;
+    RayBatch* seeded;  ///< mode seed only
     Counters* counters;
     CellRun run{};
     DrawnSamples samples{};
@@ -95,21 +98,21 @@ private:
     return args;
   }
 
-  void find_run(const RayBatch& eye_rays, HitBatch& hits, Slice& work) {
+  void find_run(const RayBatch& eye_rays, HitBatch& hits, Slice& work) const {
     const CellRun& run = work.run;
     const auto size = static_cast<std::size_t>(run.count);
     CellArgs args = cell_args(run);
     args.rays = eye_rays.view(run.first, size);
     args.hits = hits.view(run.first, size);
-    if (params_.mode == "list") return kernels_.list(view_, args, work.counters);
+    if (params_.mode == "list") return work.kernels.list(view_, args, work.counters);
     draw(args, work);
     // The hit of the ray itself, on the primitive that it is shown.
-    kernels_.meet(view_, {args.rays, args.hits, nullptr, packet_, nullptr}, work.prim.data(), work.counters);
+    work.kernels.meet(view_, {args.rays, args.hits, nullptr, packet_, nullptr}, work.prim.data(), work.counters);
     for (std::size_t k = 0; k < size; ++k) {
       const std::size_t ray = run.first + k;
       const auto sample = params_.resolution == 1 ? k : static_cast<std::size_t>(work.samples.of_ray[k]);
-      if (params_.mode == "seed") {
-        if (hits.prim[ray] >= 0) seeded_.t_max[ray] = hits.t[ray];
+      if (work.seeded != nullptr) {
+        if (hits.prim[ray] >= 0) work.seeded->t_max[ray] = hits.t[ray];
       } else if (hits.prim[ray] < 0 && work.prim[k] >= 0) {  // beside the ray: where the sample met it
         hits.prim[ray] = work.prim[k];
         hits.t[ray] = work.drawn.t[sample];
@@ -118,7 +121,7 @@ private:
   }
 
   /// Draws the z-buffer about a run, and looks up what its rays are shown.
-  void draw(CellArgs args, Slice& work) {
+  void draw(CellArgs args, Slice& work) const {
     const auto size = static_cast<std::size_t>(work.run.count);
     work.prim.resize(size);
     if (params_.resolution != 1) {
@@ -131,19 +134,18 @@ private:
     }
     work.drawn.resize(static_cast<std::size_t>(args.rays.count));
     args.hits = work.drawn.view();
-    kernels_.draw(view_, args, work.counters);
+    work.kernels.draw(view_, args, work.counters);
     for (std::size_t k = 0; k < size; ++k) work.prim[k] = work.drawn.prim[params_.resolution == 1 ? k : static_cast<std::size_t>(work.samples.of_ray[k])];
   }
 
   const Scene& scene_;
   ZbufferParams params_;
-  ZbufferKernels timed_, counted_, kernels_;
+  ZbufferKernels timed_, counted_;
   int packet_;
   Intersector& intersector_;
   ImagePlane plane_{CameraModel{}};
   FootprintBins bins_;
   ZbufferView view_{};
-  RayBatch seeded_;  ///< mode seed: the eye rays, ending at what they are shown
 };
 
 }  // namespace

@@ -86,7 +86,7 @@ RaySet primary_rays(const CameraModel& model, int threads) {
   for (std::int32_t block = 0; block < order.block_count(); ++block) order.append_block(block, pixels);
   RaySet set;
   set.model = model;
-  set.rays = eye_rays(model, pixels, threads);
+  eye_rays(model, pixels, set.rays, threads);
   set.pixel = std::move(pixels);
   return set;
 }
@@ -161,10 +161,9 @@ std::optional<RayKind> ray_kind_from_name(std::string_view name) noexcept {
   return kRayKinds[static_cast<std::size_t>(found - kNames.begin())];
 }
 
-RayBatch eye_rays(const CameraModel& model, const Column<std::int32_t>& pixels, int threads) {
+void eye_rays(const CameraModel& model, const Column<std::int32_t>& pixels, RayBatch& rays, int threads) {
   const EyeRays eye(model);
   const glm::vec3 org(eye.eye());
-  RayBatch rays;
   rays.resize(pixels.size());
   for_each_slice(pixels.size(), threads, [&](std::size_t, std::size_t first, std::size_t count) {
     for (std::size_t i = first; i < first + count; ++i) {
@@ -172,7 +171,6 @@ RayBatch eye_rays(const CameraModel& model, const Column<std::int32_t>& pixels, 
       rays.set(i, {{org.x, org.y, org.z}, 0, {dir.x, dir.y, dir.z}, std::numeric_limits<float>::infinity()});
     }
   });
-  return rays;
 }
 
 RaySet make_rays(const Scene& scene, RayKind kind, const CameraModel& model, std::uint64_t seed, const Intersector& tracer, int threads) {

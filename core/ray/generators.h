@@ -44,8 +44,8 @@ struct RaySet {
   CameraModel model = {};        ///< of the eye rays
 };
 
-/// The eye rays through the given pixels, y * width + x.
-[[nodiscard]] RayBatch eye_rays(const CameraModel& model, const Column<std::int32_t>& pixels, int threads);
+/// The eye rays through the given pixels, y * width + x. `rays` is resized.
+void eye_rays(const CameraModel& model, const Column<std::int32_t>& pixels, RayBatch& rays, int threads = 1);
 
 /// Makes a set; `tracer` finds the primary hits where the kind needs them.
 [[nodiscard]] RaySet make_rays(const Scene& scene, RayKind kind, const CameraModel& model, std::uint64_t seed, const Intersector& tracer, int threads);

@@ -13,7 +13,7 @@ namespace raymeter {
 class FirstHit {
 public:
   virtual ~FirstHit() = default;
-  /// A frame begins: until the next call, `find` is called for its bands, with this model.
+  /// A frame begins: until the next call, `find` is called for its tiles, with this model, for several at a time unless the intersector keeps its batch.
   virtual void begin(const CameraModel&, int /*threads*/) {}
   /// The nearest hits of the eye rays (core/ray/generators.h) through `pixels`, y * width + x, of the model's image.
   virtual void find(const CameraModel& model, const Column<std::int32_t>& pixels, const RayBatch& eye_rays, HitBatch& hits, int threads,

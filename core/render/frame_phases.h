@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -23,6 +24,12 @@ struct PhaseTotals {
   double ms = 0;
   std::int64_t rays = 0;
   Counters counters;
+
+  void add(const PhaseTotals& other) noexcept {
+    ms += other.ms;
+    rays += other.rays;
+    counters.add(other.counters);
+  }
 };
 
 /// Of every phase, by FramePhase.
@@ -33,12 +40,20 @@ struct FrameTotals {
   [[nodiscard]] const PhaseTotals& operator[](FramePhase p) const noexcept { return phase[static_cast<std::size_t>(p)]; }
   [[nodiscard]] PhaseTotals sum() const noexcept {
     PhaseTotals all;
-    for (const PhaseTotals& one : phase) {
-      all.ms += one.ms;
-      all.rays += one.rays;
-      all.counters.add(one.counters);
-    }
+    for (const PhaseTotals& one : phase) all.add(one);
     return all;
+  }
+  void add(const FrameTotals& other) noexcept {
+    for (std::size_t p = 0; p < phase.size(); ++p) phase[p].add(other.phase[p]);
+  }
+  /// Calls trace(counters or null), which traces so many rays, by the clock of a phase.
+  template <class Trace>
+  void measure(FramePhase p, std::size_t rays, bool count, Trace&& trace) {
+    PhaseTotals& totals = (*this)[p];
+    const auto start = std::chrono::steady_clock::now();
+    trace(count ? &totals.counters : nullptr);
+    totals.ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    totals.rays += static_cast<std::int64_t>(rays);
   }
 };
 

@@ -10,7 +10,8 @@ namespace raymeter {
 Column<std::uint64_t> events_per_pixel(const CameraModel& model, Intersector& intersector, Event event, int threads) {
   Column<std::int32_t> pixels(static_cast<std::size_t>(model.pixel_count()));
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::int32_t>(i);
-  const RayBatch rays = eye_rays(model, pixels, threads);
+  RayBatch rays;
+  eye_rays(model, pixels, rays, threads);
   intersector.prepare(rays.view(), Query::closest, threads);
   const std::int32_t* const order = intersector.order();
   HitBatch hits;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "core/base/column.h"
 #include "core/ray/ray_batch.h"
@@ -14,9 +15,12 @@ namespace raymeter {
 class Occlusion {
 public:
   virtual ~Occlusion() = default;
-  /// A frame or a pass begins: forgets what earlier rays taught, so that counts and times do not depend on them.
+  /// A frame, a pass or a tile begins: forgets what earlier rays taught, so that counts and times do not depend on them.
   virtual void begin() {}
-  /// blocker[i]: some primitive that blocks ray i, -1 where it is free. Batches of a frame come in a fixed order, whatever the threads.
+  /// One of its own for a thread that traces tiles of a frame beside other threads: each tile begins it anew. Null where rays must come in the frame's order:
+  /// then its tiles are traced one after another, and the frame alone begins it.
+  [[nodiscard]] virtual std::unique_ptr<Occlusion> for_tiles() const = 0;
+  /// blocker[i]: some primitive that blocks ray i, -1 where it is free. Batches of a frame, or of a tile, come in a fixed order, whatever the threads.
   virtual void find(const RayBatch& rays, const ShadowOrigins& origins, Column<std::int32_t>& blocker, int threads, Counters* counters) = 0;
 };
 
@@ -24,6 +28,7 @@ public:
 class TracedOcclusion final : public Occlusion {
 public:
   explicit TracedOcclusion(Intersector& intersector) : intersector_(intersector) {}
+  [[nodiscard]] std::unique_ptr<Occlusion> for_tiles() const override { return std::make_unique<TracedOcclusion>(intersector_); }
   void find(const RayBatch& rays, const ShadowOrigins&, Column<std::int32_t>& blocker, int threads, Counters* counters) override {
     intersector_.prepare(rays.view(), Query::any, threads);
     trace_any(intersector_, rays, blocker, threads, counters);

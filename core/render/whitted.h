@@ -1,43 +1,15 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "core/render/first_hit.h"
 #include "core/render/frame_phases.h"
 #include "core/render/image.h"
 #include "core/render/occlusion.h"
+#include "core/render/ray_counts.h"
 #include "core/render/termination.h"
 #include "core/scene/scene.h"
 #include "core/trace/intersector.h"
 
 namespace raymeter {
-
-/// Rays of an image by kind. `refraction` is without the totally reflected ones, which `tir` counts.
-struct RayCounts {
-  std::int64_t primary = 0;
-  std::int64_t primary_hit = 0;
-  std::int64_t reflection = 0;
-  std::int64_t reflection_hit = 0;
-  std::int64_t refraction = 0;
-  std::int64_t refraction_hit = 0;
-  std::int64_t tir = 0;
-  std::int64_t shadow = 0;
-  std::int64_t shadow_blocked = 0;
-
-  [[nodiscard]] std::int64_t all() const noexcept { return primary + reflection + refraction + shadow; }
-  friend bool operator==(const RayCounts&, const RayCounts&) = default;
-};
-
-/// How deep the rays of an image go.
-struct DepthCounts {
-  std::vector<std::int64_t> generation;  ///< eye, reflection and refraction rays of depth 1, 2, ...
-  std::int64_t deepest_sum = 0;          ///< over all eye rays, the depth of the deepest ray that comes of it
-
-  /// Mean of the deepest generations; 0 where there are no eye rays.
-  [[nodiscard]] double mean() const noexcept { return generation.empty() ? 0 : static_cast<double>(deepest_sum) / static_cast<double>(generation.front()); }
-  friend bool operator==(const DepthCounts&, const DepthCounts&) = default;
-};
 
 struct RenderOptions {
   CameraModel model;
@@ -66,9 +38,11 @@ struct Rendering {
 ///  - an eye ray has depth 1, and rays are followed as `termination` says. What meets nothing sees the background.
 /// Surfaces follow surface_rules() of the camera's convention. An opaque material's index of refraction is not looked at (NFF files carry 0 there).
 ///
-/// Bands of pixels are traced one after the other. A batch of rays has one origin and at most one ray a pixel; its reflection rays are followed to their end,
-/// then its refraction rays. So no batch is larger than a band, and two wait at each depth: beside the image itself, memory depends on neither its size nor
-/// the tree of rays. The image and the counts are the same on any number of threads.
+/// Threads trace tiles of pixels beside each other, each tile on one thread from its eye rays to its last generation. A batch of rays has one origin and at
+/// most one ray a pixel; its reflection rays are followed to their end, then its refraction rays. So no batch is larger than a tile, and two wait at each
+/// depth: beside the image itself, memory depends on neither its size nor the tree of rays, but on the number of threads. An intersector that keeps its batch
+/// and an occlusion that needs the frame's order get larger tiles one after the other, where threads share out what is traced and no more. The image and the
+/// counts are the same on any number of threads. On several, the time of phases is what threads spent in each, as a share of the clock's.
 [[nodiscard]] Rendering render(const Scene& scene, FirstHit& first_hit, Intersector& intersector, const RenderOptions& options);
 
 }  // namespace raymeter

@@ -20,6 +20,8 @@ public:
   /// Sees the whole batch, and what will be asked of it, before it is sliced; may work on `threads` threads (0: all), its time is a phase of its own. What it
   /// does may change how fast later calls are and what they count, the same on any number of threads, but no answer.
   virtual void prepare(const RayView&, Query, int /*threads*/) {}
+  /// Whether prepare() keeps something of the batch that the calls on its slices use. Otherwise several batches may be traced at the same time.
+  [[nodiscard]] virtual bool keeps_batch() const noexcept { return false; }
   /// The order in which the prepared batch is to be traced: a permutation of its rays; null: as they come. Where there is one, the slice of `count` rays from
   /// `first` on, views of the columns that were prepared, stands for the rays order()[first] .. order()[first + count - 1]: a call answers those, each in its
   /// own place of the batch, so that packets may gather rays from anywhere. All is answered when all slices have been called.

@@ -41,6 +41,7 @@ class Liar final : public Intersector {
 public:
   explicit Liar(Intersector& honest) : honest_(honest) {}
   std::int32_t lie = -1;
+  [[nodiscard]] bool keeps_batch() const noexcept override { return honest_.keeps_batch(); }
   void prepare(const RayView& rays, Query query, int threads) override { honest_.prepare(rays, query, threads); }
   [[nodiscard]] const std::int32_t* order() const noexcept override { return lie < 0 ? honest_.order() : nullptr; }
   [[nodiscard]] std::size_t scratch_bytes() const noexcept override { return honest_.scratch_bytes(); }
@@ -292,7 +293,7 @@ TEST(ShadowCacheParameters, SayWhatIsWrong) {
   };
   EXPECT_EQ(message("bvh+shadow_cache:key=lamp"), "shadow_cache:key: expected one of light, light_object, light_tree, got 'lamp'");
   EXPECT_EQ(message("bvh+shadow_cache:update=serial,batch=2"),
-            "shadow_cache:batch: does nothing beside the other parameters, expected its default, 4096, got 2; it is for rays of a batch: fewer learn sooner, "
+            "shadow_cache:batch: does nothing beside the other parameters, expected its default, 512, got 2; it is for rays of a batch: fewer learn sooner, "
             "more share packets and threads");
   EXPECT_EQ(message("bvh+shadow_cache:batch=0"), "shadow_cache:batch: expected a whole number from 1 to 1048576, got 0");
 }

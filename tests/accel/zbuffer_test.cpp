@@ -60,11 +60,13 @@ protected:
   /// Expects the exact modes to find what casting finds.
   void expect_exact(const Scene& scene, const CameraModel& model, const std::vector<std::string>& modes, const std::vector<int>& packets) {
     const Column<std::int32_t> pixels = pixels_of(model);
+    RayBatch rays;
+    eye_rays(model, pixels, rays);
     const HitBatch expected = Slots(scene, "bvh", GetParam(), 16).find(model, pixels);
     for (const int packet : packets) {
       for (const std::string& mode : modes) {
         SCOPED_TRACE(mode + ", packets of " + std::to_string(packet));
-        test::expect_same_hits(Slots(scene, "bvh+zbuffer:mode=" + mode, GetParam(), packet).find(model, pixels), expected, eye_rays(model, pixels, 1));
+        test::expect_same_hits(Slots(scene, "bvh+zbuffer:mode=" + mode, GetParam(), packet).find(model, pixels), expected, rays);
       }
     }
   }

@@ -94,10 +94,10 @@ TEST(SlotsOfAConfig, ExpandTheirParameters) {
   ASSERT_EQ(cells.size(), 6u);
   EXPECT_EQ(field(cells[1], "occlusion.key"), "light");
   EXPECT_EQ(field(cells[0], "occlusion.key"), std::nullopt);
-  EXPECT_EQ(technique_text(cells[1]), technique_text("list", cells[1].params) + "+shadow_cache:key=light,update=batch,batch=4096,forget=false");
+  EXPECT_EQ(technique_text(cells[1]), technique_text("list", cells[1].params) + "+shadow_cache:key=light,update=batch,batch=512,forget=false");
   EXPECT_NE(cells[1].id, cells[2].id);
   EXPECT_EQ(error_of([] { (void)expand(parse(R"(, "rays": "shadow", "occlusion": {"name": "shadow_cache", "update": "serial", "batch": 2})")); }),
-            "matrix.occlusion.batch: does nothing beside the other parameters, expected its default, 4096, got 2; it is for rays of a batch: fewer learn "
+            "matrix.occlusion.batch: does nothing beside the other parameters, expected its default, 512, got 2; it is for rays of a batch: fewer learn "
             "sooner, more share packets and threads");
 }
 

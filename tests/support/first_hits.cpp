@@ -28,7 +28,8 @@ Slots::Slots(const Scene& scene, std::string_view technique, Isa isa, int packet
 }
 
 HitBatch Slots::find(const CameraModel& model, const Column<std::int32_t>& pixels, int threads, Counters* counters) {
-  const RayBatch rays = eye_rays(model, pixels, 1);
+  RayBatch rays;
+  eye_rays(model, pixels, rays);
   HitBatch timed, counted;
   Counters sums;
   first_hit->begin(model, threads);
