@@ -31,7 +31,7 @@ struct ParamInfo {
   double max = 0;
   std::vector<std::string_view> choices;  ///< strings only; empty: any text
   ParamUse use = ParamUse::build;
-  std::vector<std::string_view> same_build;  ///< choices that a build does not tell apart
+  std::vector<std::vector<std::string_view>> same_build;  ///< groups of choices that a build does not tell apart
 };
 
 /// One row of a technique's static fields(): where the value lives and what is allowed. Default values stand in the struct alone.
@@ -46,7 +46,7 @@ struct Param {
   ParamUse use = ParamUse::build;
   /// Whether it means anything beside the others; null: always.
   bool (*applies)(const Params&) = nullptr;
-  std::vector<std::string_view> same_build = {};
+  std::vector<std::vector<std::string_view>> same_build = {};
 };
 
 /// The same row, for settings alone in which the parameter means something.

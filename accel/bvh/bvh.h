@@ -15,6 +15,8 @@ struct BvhParams : SahParams, GoldsmithSalmonParams, SbvhParams, PlocParams, Tre
   std::string traversal = "packet";
 
   [[nodiscard]] static std::vector<Param<BvhParams>> fields();
+  /// Whether the traversal needs the hierarchy of wide_tree.h.
+  [[nodiscard]] bool is_wide() const noexcept { return traversal == "beam" || traversal == "stream"; }
 };
 
 /// As resolve_params; throws Error also where parameters contradict each other.

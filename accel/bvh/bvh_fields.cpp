@@ -15,7 +15,7 @@ bool by_random_insertion(const BvhParams& p) { return by_insertion(p) && (p.inse
 bool by_best_insertion(const BvhParams& p) { return by_insertion(p) && p.insertion_order == "best"; }
 bool by_spatial_splits(const BvhParams& p) { return p.builder == "sbvh"; }
 bool by_clustering(const BvhParams& p) { return p.builder == "ploc"; }
-bool in_beams(const BvhParams& p) { return p.traversal == "beam"; }
+bool by_wide_nodes(const BvhParams& p) { return p.is_wide(); }
 
 std::vector<Field> insertion_fields() {
   return {
@@ -39,11 +39,19 @@ std::vector<Field> BvhParams::fields() {
   std::vector<Field> fields{
       {"volume", &BvhParams::volume, "bounding volume of a node", 0, 0, {"aabb", "sphere", "obb", "kdop"}},
       {"builder", &BvhParams::builder, "how the hierarchy is built", 0, 0, bvh_builder_names()},
-      {"traversal", &BvhParams::traversal, "how rays go through it", 0, 0, {"packet", "heap", "beam"}, ParamUse::build, nullptr, {"packet", "heap"}},
+      {"traversal",
+       &BvhParams::traversal,
+       "how rays go through it",
+       0,
+       0,
+       {"packet", "heap", "beam", "stream"},
+       ParamUse::build,
+       nullptr,
+       {{"packet", "heap"}, {"beam", "stream"}}},
       where(by_bins, Field{"bins", &BvhParams::bins, "binned_sah, sbvh: bins per axis, where a node has at least that many primitives", 2, 64}),
-      where([](const BvhParams& p) { return by_sah(p) || in_beams(p); },
+      where([](const BvhParams& p) { return by_sah(p) || by_wide_nodes(p); },
             Field{"max_leaf_size", &BvhParams::max_leaf_size,
-                  "surface area heuristic: larger leaves are split even where that costs more; beam: but for leaves of triangles", 1, 64}),
+                  "surface area heuristic: larger leaves are split even where that costs more; beam, stream: but for leaves of triangles", 1, 64}),
       where(by_sah, Field{"node_cost", &BvhParams::node_cost, "surface area heuristic: cost of a node in primitive tests", 0.01, 100}),
   };
   const auto add = [&](const std::vector<Field>& more) { fields.insert(fields.end(), more.begin(), more.end()); };
@@ -55,7 +63,7 @@ std::vector<Field> BvhParams::fields() {
             Field{"split_budget", &BvhParams::split_budget, "sbvh: most references beyond one a primitive, relative to the primitives", 0, 8}),
       where(by_clustering, Field{"ploc_radius", &BvhParams::ploc_radius, "ploc: how far away in the order a cluster looks for a partner", 1, 1000}),
       {"reinsertion", &BvhParams::reinsertion, "rounds in which subtrees of the binary tree are moved to better places", 0, 1000},
-      where([](const BvhParams& p) { return !in_beams(p); },
+      where([](const BvhParams& p) { return !by_wide_nodes(p); },
             Field{"width", &BvhParams::width, "most children of a node, by opening nodes and grouping children; 0: as built", 0, 64}),
   });
   add(volume_fields<BvhParams>());

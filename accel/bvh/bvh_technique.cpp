@@ -8,9 +8,9 @@ ParamValues resolve_bvh(const ParamValues& values) {
   const auto params = bind<BvhParams>(values);
   check_volume(params.volume, params);
   check_tree_params(params);
-  if (params.traversal == "beam") {
-    if (params.volume != "aabb") throw Error("traversal: beam needs volume=aabb, got " + params.volume);
-    if (params.width != 0) throw Error("width: traversal=beam has nodes of its own, of 8 children; expected 0");
+  if (params.is_wide()) {
+    if (params.volume != "aabb") throw Error("traversal: " + params.traversal + " needs volume=aabb, got " + params.volume);
+    if (params.width != 0) throw Error("width: traversal=" + params.traversal + " has nodes of its own, of 8 children; expected 0");
   }
   return resolved(params);
 }
@@ -18,14 +18,14 @@ ParamValues resolve_bvh(const ParamValues& values) {
 std::unique_ptr<Structure> build_bvh(const Scene& scene, const ParamValues& values, int threads) {
   const auto params = bind<BvhParams>(values);
   BvhTree tree = build_bvh_tree(scene, params, threads);
-  if (params.traversal == "beam") return build_wide_bvh(scene, std::move(tree), params.max_leaf_size, threads);
+  if (params.is_wide()) return build_wide_bvh(scene, std::move(tree), params.max_leaf_size, threads);
   return with_volume(params.volume, params, scene,
                      [&]<class V>(const V& volume) -> std::unique_ptr<Structure> { return std::make_unique<BvhStructure<V>>(scene, tree, volume, threads); });
 }
 
 void add_bvh_quality(const Scene& scene, const ParamValues& values, int threads, BuildStats& stats) {
   const auto params = bind<BvhParams>(values);
-  if (params.traversal == "beam") return;  // its tree is collapsed as no builder hands it over
+  if (params.is_wide()) return;  // its tree is collapsed as no builder hands it over
   // The layout does not keep the tree.
   const BvhTree tree = build_bvh_tree(scene, params, threads);
   add_box_quality(scene, tree, threads, stats);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "accel/bvh/bvh.h"
 #include "accel/bvh/collapse.h"
+#include "accel/bvh/stream_kernel.h"
 #include "accel/bvh/wide_kernel.h"
 #include "accel/bvh/wide_tree.h"
 #include "accel/kernel_intersector.h"
@@ -25,8 +27,10 @@ public:
   }
   [[nodiscard]] const BuildStats& stats() const noexcept override { return tree_.stats; }
   [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
-    return std::make_unique<KernelIntersector<WideBvhView>>(view_, kernels_for<WideBvhKernel, WideBvhView>(options.isa), options.packet,
-                                                            wide_stack_bytes(view_.stack_capacity));
+    const bool stream = bind<BvhParams>(options.params).traversal == "stream";
+    const auto& kernels = stream ? kernels_for<StreamKernel, WideBvhView>(options.isa) : kernels_for<WideBvhKernel, WideBvhView>(options.isa);
+    const std::size_t scratch = stream ? stream_bytes(view_.stack_capacity) : wide_stack_bytes(view_.stack_capacity);
+    return std::make_unique<KernelIntersector<WideBvhView>>(view_, kernels, options.packet, scratch);
   }
 
 private:

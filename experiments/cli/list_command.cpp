@@ -62,11 +62,9 @@ std::string description(const TechniqueInfo& technique) {
   const bool has_query = std::ranges::any_of(infos, [](const ParamInfo& info) { return info.use == ParamUse::query; });
   text += fmt::format("\nParameters, with (default) and range{}:\n", has_query ? "; one marked 'query' needs no new build" : "");
   for (const ParamInfo& info : infos) {
-    text += fmt::format("  {:<22} ({}) {}{}\n  {:<22} {}\n", info.key, to_string(info.default_value), value_range(info),
-                        info.use == ParamUse::query ? "; query"
-                        : !info.same_build.empty()  ? fmt::format("; {} share a build", fmt::join(info.same_build, ", "))
-                                                    : "",
-                        "", info.help);
+    std::string use = info.use == ParamUse::query ? "; query" : "";
+    for (const auto& choices : info.same_build) use += fmt::format("; {} share a build", fmt::join(choices, ", "));
+    text += fmt::format("  {:<22} ({}) {}{}\n  {:<22} {}\n", info.key, to_string(info.default_value), value_range(info), use, "", info.help);
   }
   return text;
 }

@@ -123,8 +123,9 @@ std::string build_text(const Experiment& cell) {
     const std::string& name = key;  // clang 14 captures no structured bindings
     const auto info = std::find_if(infos.begin(), infos.end(), [&](const ParamInfo& one) { return one.key == name; });
     if (info == infos.end() || info->use != ParamUse::build) continue;
-    const auto same = std::find(info->same_build.begin(), info->same_build.end(), to_string(value));
-    params.emplace_back(key, same == info->same_build.end() ? value : ParamValue(fmt::format("{}", fmt::join(info->same_build, "|"))));
+    const auto same =
+        std::ranges::find_if(info->same_build, [&](const auto& choices) { return std::ranges::find(choices, to_string(value)) != choices.end(); });
+    params.emplace_back(key, same == info->same_build.end() ? value : ParamValue(fmt::format("{}", fmt::join(*same, "|"))));
   }
   const std::string text = params_text(params);
   return std::string(cell.structure->name) + (text.empty() ? "" : ":" + text);

@@ -82,6 +82,8 @@ constexpr std::array kTogether{
     "bvh:traversal=beam,builder=goldsmith_salmon,leaf_boxes=off",
     "bvh:traversal=beam,builder=sweep_sah,reinsertion=2",
     "bvh:traversal=beam,max_leaf_size=1",
+    "bvh:traversal=stream,builder=sbvh",
+    "bvh:traversal=stream,max_leaf_size=1",
     "bvh:builder=goldsmith_salmon,insertion_order=*",
     "bvh:builder=goldsmith_salmon,inherited=off",
     "bvh:builder=goldsmith_salmon,leaf_boxes=off",

@@ -57,7 +57,7 @@ RayBatch beams(int n, double size, const glm::dvec3& corner) {
   return rays;
 }
 
-TEST(BeamTraversal, LosesNoHitAtVerticesNearFarSmallAndLarge) {
+TEST(WideTraversal, LosesNoHitAtVerticesNearFarSmallAndLarge) {
   constexpr int n = 40;
   const struct {
     double size;
@@ -70,11 +70,13 @@ TEST(BeamTraversal, LosesNoHitAtVerticesNearFarSmallAndLarge) {
       if (!available(isa)) continue;
       const Answer list = answer(scene, rays, "list", isa, simd_width(isa));
       EXPECT_GT(std::ranges::count_if(list.hits.prim.span(), [](std::int32_t prim) { return prim >= 0; }), 1000);
-      for (const int packet : {4, 16, 24, 64}) {
-        const Answer bvh = answer(scene, rays, "bvh:traversal=beam", isa, packet);
-        EXPECT_TRUE(bits_equal(list.hits, bvh.hits)) << name(isa) << " packet " << packet << " size " << size;
+      const auto expect_same = [&](const char* technique, int packet) {
+        const Answer bvh = answer(scene, rays, technique, isa, packet);
+        EXPECT_TRUE(bits_equal(list.hits, bvh.hits)) << technique << ' ' << name(isa) << " packet " << packet << " size " << size;
         for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(bvh.blocker[i] >= 0, list.hits.prim[i] >= 0) << i;
-      }
+      };
+      for (const int packet : {4, 16, 24, 64}) expect_same("bvh:traversal=beam", packet);
+      expect_same("bvh:traversal=stream", 64);
     }
   }
 }

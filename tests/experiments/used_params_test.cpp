@@ -60,12 +60,13 @@ TEST(UsedParams, AReferenceMayHaveFewerOfThem) {
   EXPECT_EQ(reference_cells(config, expand(config)), (std::vector<std::optional<std::size_t>>{0, 0, 0}));
 }
 
-TEST(UsedParams, PacketsAndTheHeapShareABuildAndBeamsDoNot) {
-  const std::vector<Experiment> all = cells(R"({"name": "bvh", "traversal": ["packet", "heap", "beam"]})");
-  ASSERT_EQ(all.size(), 3u);
+TEST(UsedParams, PacketsAndTheHeapShareABuildAndBeamsAndStreamsAnother) {
+  const std::vector<Experiment> all = cells(R"({"name": "bvh", "traversal": ["packet", "heap", "beam", "stream"]})");
+  ASSERT_EQ(all.size(), 4u);
   EXPECT_EQ(build_text(all[0]), "bvh:volume=aabb,builder=binned_sah,traversal=packet|heap,bins=32,max_leaf_size=8,node_cost=1,reinsertion=0,width=0");
   EXPECT_EQ(build_text(all[1]), build_text(all[0]));
-  EXPECT_EQ(build_text(all[2]), "bvh:volume=aabb,builder=binned_sah,traversal=beam,bins=32,max_leaf_size=8,node_cost=1,reinsertion=0");
+  EXPECT_EQ(build_text(all[2]), "bvh:volume=aabb,builder=binned_sah,traversal=beam|stream,bins=32,max_leaf_size=8,node_cost=1,reinsertion=0");
+  EXPECT_EQ(build_text(all[3]), build_text(all[2]));
 }
 
 }  // namespace

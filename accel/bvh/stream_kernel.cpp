@@ -1,0 +1,220 @@
+// Stream traversal of an 8-wide hierarchy, for rays that have little in common: those of a slice are sorted by octant, and groups of up to 64 descend together,
+// each node being fetched once for all of a group's rays that want it. An entry of the stack is a child and its rays.
+//
+// Events: node_visit once per inner node, for all rays that want it; volume_test eight per such ray, by registers of children; leaf_visit for the rays that
+// want a leaf; prim_test per ray and triangle of the leaf, by registers of triangles, or of rays for other primitives.
+
+#include "accel/bvh/stream_kernel.h"
+
+#include "accel/bvh/stream_block_kernel.h"
+#include "accel/bvh/stream_node_kernel.h"
+#include "accel/bvh/stream_stack_kernel.h"
+#include "core/geometry/run_kernel.h"
+#include "core/stats/policy.h"
+
+namespace raymeter {
+
+namespace {
+
+/// Counts an event for each of the rays, by registers of them.
+template <Event e, class L, class Stats>
+inline void count_rays(std::uint64_t rays, Stats stats) noexcept {
+  if constexpr (Stats::kCounting) {
+    constexpr std::uint32_t kAll = (1u << L::kWidth) - 1;
+    for (; rays != 0; rays >>= L::kWidth) {
+      const std::uint32_t lanes = static_cast<std::uint32_t>(rays) & kAll;
+      if (lanes != 0) stats.template count<e, L>(L::mask(lanes));
+    }
+  }
+}
+
+template <class L, class Stats>
+inline void count_node(std::uint64_t rays, Stats stats) noexcept {
+  if constexpr (Stats::kCounting) {
+    constexpr int kStep = L::kWidth < kWideChildren ? L::kWidth : kWideChildren;
+    count_rays<Event::node_visit, L>(rays, stats);
+    for (; rays != 0; rays &= rays - 1) {
+      for (int c = 0; c < kWideChildren; c += kStep) stats.template count<Event::volume_test, L>(L::mask((1u << kStep) - 1));
+    }
+  }
+}
+
+template <Query Q, class L, class Stats>
+void test_block_of_group(const TriangleBlock& block, std::uint64_t rays, StreamGroup<L>& group, Stats stats) noexcept {
+  const BlockTriangles<L> triangles(block);
+  for (; rays != 0; rays &= rays - 1) {
+    const int i = __builtin_ctzll(rays);
+    StreamRay& ray = group.ray[i];
+    RayHit hit{-ray.interval[1], group.prim[i], 0, 0};
+    if (!test_block<L>(ray, block, triangles, hit, stats)) continue;
+    group.prim[i] = hit.prim;
+    if constexpr (Q == Query::any) {
+      group.alive &= ~(rays & -rays);
+    } else {
+      ray.interval[1] = -hit.t;
+      group.u[i] = hit.u;
+      group.v[i] = hit.v;
+    }
+  }
+}
+
+/// Other primitives, rays in lanes.
+template <Query Q, class L, class Stats>
+void test_run_of_group(const WideBvhView& bvh, PrimitiveRun run, std::uint64_t rays, StreamGroup<L>& group, Stats stats) noexcept {
+  constexpr std::uint64_t kAll = (1u << L::kWidth) - 1;
+  typename L::Mask lanes[Packet<L, 0>::kCapacity];
+  for (int g = 0; g < group.packet.group_count(); ++g) {
+    lanes[g] = L::mask(static_cast<std::uint32_t>(rays >> g * L::kWidth & kAll));
+    if (L::any(lanes[g])) group.to_packet(g);
+  }
+  test_run<Q, L, 0>(group.packet, lanes, bvh.pools, run, nullptr, stats);
+  for (int g = 0; g < group.packet.group_count(); ++g) {
+    if (L::none(lanes[g])) continue;
+    group.from_packet(g);
+    if constexpr (Q == Query::any) group.alive &= ~(std::uint64_t{L::bits(~group.packet.live(g) & lanes[g])} << g * L::kWidth);
+  }
+}
+
+/// Takes the topmost child off the group's stack, and asks early for the next.
+template <Query Q, class L, class Stats>
+[[gnu::always_inline]] inline void step(const WideBvhView& bvh, const RayView& rays_of_slice, const std::int32_t* source, StreamStack& stack,
+                                        StreamGroup<L>& group, Stats stats) noexcept {
+  --stack.size;
+  const WideRef child = stack.child[stack.size];
+  const std::uint64_t rays = stack.rays[stack.size] & (Q == Query::any ? group.alive : ~std::uint64_t{0});
+  if (rays == 0) {
+  } else if (child.tag() == WideRef::Tag::inner) {
+    const WideNode& node = bvh.nodes[child.index()];
+    count_node<L>(rays, stats);
+    push_children<L>(stack, node, node.order[group.octant], rays_of_children<L>(node, group.octant, group.ray, rays));
+  } else {
+    count_rays<Event::leaf_visit, L>(rays, stats);
+    if (child.tag() == WideRef::Tag::block) {
+      test_block_of_group<Q>(bvh.blocks[child.index()], rays, group, stats);
+    } else {
+      group.load_rays(rays_of_slice, source);
+      test_run_of_group<Q>(bvh, bvh.runs[child.index()], rays, group, stats);
+    }
+  }
+  if (stack.size > 0) prefetch_child(bvh, stack.child[stack.size - 1]);
+}
+
+/// Puts a group's hits where its rays came from.
+template <Query Q, class L>
+void store_group(const TraceArgs& args, const std::int32_t* source, const float* t_unit, const StreamGroup<L>& group) noexcept {
+  for (std::int32_t i = 0; i < group.count; ++i) {
+    const std::int32_t to = source[i];
+    const bool missed = group.prim[i] == kNoPrim;
+    if constexpr (Q == Query::any) {
+      args.blocker[to] = missed ? -1 : group.prim[i];
+    } else {
+      args.hits.t[to] = missed ? kInfinity : -group.ray[i].interval[1] * t_unit[i];
+      args.hits.prim[to] = missed ? -1 : group.prim[i];
+      args.hits.u[to] = group.u[i];
+      args.hits.v[to] = group.v[i];
+    }
+  }
+}
+
+/// A slice's part of at most kStreamRays rays.
+TraceArgs part_of(const TraceArgs& args, std::int32_t first, std::int32_t count) noexcept {
+  TraceArgs part = args;
+  for (int a = 0; a < 3; ++a) {
+    part.rays.org[a] += first;
+    part.rays.dir[a] += first;
+  }
+  part.rays.t_min += first;
+  part.rays.t_max += first;
+  part.rays.count = count;
+  if (args.blocker != nullptr) {
+    part.blocker += first;
+  } else {
+    part.hits.t += first;
+    part.hits.prim += first;
+    part.hits.u += first;
+    part.hits.v += first;
+  }
+  return part;
+}
+
+/// Cuts sorted rays into groups of one octant and nearly the same size, `most` at most.
+struct GroupCutter {
+  const std::int32_t* first_of_octant;
+  std::int32_t most;
+  std::uint32_t octant = 0;
+  std::int32_t first = 0;
+  std::int32_t count = 0;
+
+  bool next() noexcept {
+    first += count;
+    while (octant < 8 && first == first_of_octant[octant + 1]) ++octant;
+    if (octant == 8) return false;
+    const std::int32_t left = first_of_octant[octant + 1] - first;
+    const std::int32_t groups = (left + most - 1) / most;
+    count = (left + groups - 1) / groups;
+    return true;
+  }
+};
+
+template <Query Q, class L, class Stats>
+void trace_slice(const WideBvhView& bvh, const TraceArgs& args, SortedRays& sorted, std::byte* stacks, Stats stats) noexcept {
+  sort_by_octant<L>(args.rays, sorted);
+  GroupCutter cutter{sorted.first, args.packet};
+  StreamGroup<L> group[kInterleaved];
+  StreamStack stack[kInterleaved];
+  std::int32_t first[kInterleaved] = {};
+  int count = 0;
+  const auto start = [&](int g) noexcept {
+    if (!cutter.next()) return false;
+    first[g] = cutter.first;
+    group[g].start(sorted.ray + cutter.first, cutter.count, cutter.octant);
+    stack[g].size = 0;
+    if (group[g].alive != 0) stack[g].push(WideRef(WideRef::Tag::inner, 0), group[g].alive);
+    return true;
+  };
+  for (int g = 0; g < kInterleaved; ++g) {
+    stack[g] = StreamStack(stacks + static_cast<std::size_t>(g) * stream_stack_bytes(bvh.stack_capacity), bvh.stack_capacity);
+    if (count == g && start(g)) ++count;
+  }
+  while (count > 0) {
+    for (int g = 0; g < count; ++g) {
+      if (stack[g].size > 0) {
+        step<Q>(bvh, args.rays, sorted.source + first[g], stack[g], group[g], stats);
+        continue;
+      }
+      store_group<Q>(args, sorted.source + first[g], sorted.t_unit + first[g], group[g]);
+      if (start(g)) continue;
+      --count;
+      group[g] = group[count];
+      stack[g] = stack[count];
+      first[g] = first[count];
+      --g;
+    }
+  }
+}
+
+template <Query Q, class L, class Stats>
+void trace(const WideBvhView& bvh, const TraceArgs& args, Stats stats) noexcept {
+  SortedRays& sorted = *reinterpret_cast<SortedRays*>(args.scratch);
+  for (std::int32_t begin = 0; begin < args.rays.count; begin += kStreamRays) {
+    const std::int32_t left = args.rays.count - begin;
+    trace_slice<Q, L>(bvh, part_of(args, begin, left < kStreamRays ? left : kStreamRays), sorted, args.scratch + sizeof(SortedRays), stats);
+  }
+}
+
+}  // namespace
+
+template <Isa I, class Stats>
+void StreamKernel<I, Stats>::closest(const WideBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept {
+  trace<Query::closest, Lanes<I>>(bvh, args, Stats(counters));
+}
+
+template <Isa I, class Stats>
+void StreamKernel<I, Stats>::any(const WideBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept {
+  trace<Query::any, Lanes<I>>(bvh, args, Stats(counters));
+}
+
+template struct StreamKernel<kKernelIsa, NoStats>;
+template struct StreamKernel<kKernelIsa, CountStats>;
+
+}  // namespace raymeter

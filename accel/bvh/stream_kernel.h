@@ -1,0 +1,17 @@
+#pragma once
+
+#include "accel/bvh/stream_layout.h"
+#include "core/ray/trace_args.h"
+#include "core/simd/isa_enum.h"
+#include "core/stats/counters.h"
+
+namespace raymeter {
+
+/// Traversal of an 8-wide hierarchy by streams: rays sorted by the octant of their directions, in groups of args.packet at most.
+template <Isa I, class Stats>
+struct StreamKernel {
+  static void closest(const WideBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept;
+  static void any(const WideBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept;
+};
+
+}  // namespace raymeter

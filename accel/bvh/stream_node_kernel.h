@@ -1,0 +1,99 @@
+#pragma once
+
+// A group's rays against the eight children of a node: children in lanes, one ray after the other, by the slab test of core/bounds/slab_kernel.h. All rays
+// have the same direction signs, so that a node's near and far planes are told apart once for all of them. The far side is negated: one maximum serves both.
+
+#include "accel/bvh/stream_ray_kernel.h"
+#include "accel/bvh/wide_layout.h"
+#include "core/simd/shuffle_kernel.h"
+
+namespace raymeter {
+
+/// By child: the rays that meet its box, as bits.
+struct alignas(64) ChildRays {
+  std::uint64_t rays[kWideChildren];
+};
+
+/// The planes that rays of an octant meet first and last, in registers.
+template <class L>
+struct NodePlanes {
+  using Float = typename L::Float;
+  static constexpr int kRegisters = L::kWidth < kWideChildren ? kWideChildren / L::kWidth : 1;
+  Float first[kRegisters][3];
+  Float last[kRegisters][3];
+
+  NodePlanes(const WideNode& node, std::uint32_t octant) noexcept {
+    for (int r = 0; r < kRegisters; ++r) {
+      for (int a = 0; a < 3; ++a) {
+        const int swapped = (octant >> a & 1) != 0 ? 3 : 0;
+        first[r][a] = L::load(node.plane[a + swapped] + r * L::kWidth);
+        last[r][a] = L::load(node.plane[a + 3 - swapped] + r * L::kWidth);
+      }
+    }
+  }
+  /// The children of register `r` whose boxes the ray meets before its hit.
+  [[gnu::always_inline]] typename L::Mask met(const StreamRay& ray, int r) const noexcept {
+    Float enter(-kInfinity), leave(-kInfinity);  // leave is negated
+    for (int a = 0; a < 3; ++a) {
+      const Float org(ray.org[a]);
+      enter = L::max((first[r][a] - org) * Float(ray.inv_dir[a][0]), enter);
+      leave = L::max((last[r][a] - org) * Float(ray.inv_dir[a][1]), leave);
+    }
+    const Float slack(ray.slack);
+    enter = L::max(L::mul_add(enter, Float(1.0f - kSlabPadding), slack), Float(ray.interval[0]));
+    leave = L::max(L::mul_add(leave, Float(1.0f + kSlabPadding), slack), Float(ray.interval[1]));
+    return enter + leave <= Float(0.0f);
+  }
+};
+
+template <class L>
+[[gnu::always_inline]] inline ChildRays rays_of_children(const WideNode& node, std::uint32_t octant, const StreamRay* ray, std::uint64_t wanted) noexcept {
+  using Int = typename L::Int;
+  const NodePlanes<L> planes(node, octant);
+  ChildRays met{};
+  for (int half = 0; half < 2; ++half) {
+    Int bits[NodePlanes<L>::kRegisters];
+    for (Int& b : bits) b = Int(0);
+    for (std::uint32_t left = static_cast<std::uint32_t>(wanted >> 32 * half); left != 0; left &= left - 1) {
+      const StreamRay& one = ray[32 * half + __builtin_ctz(left)];
+      const Int bit(static_cast<std::int32_t>(left & -left));
+      for (int r = 0; r < NodePlanes<L>::kRegisters; ++r) bits[r] = bits[r] + L::select(planes.met(one, r), bit, Int(0));
+    }
+    alignas(64) std::int32_t half_mask[kWideChildren];
+    for (int r = 0; r < NodePlanes<L>::kRegisters; ++r) L::store(half_mask + r * L::kWidth, bits[r]);
+    for (int c = 0; c < kWideChildren; ++c) met.rays[c] |= std::uint64_t{static_cast<std::uint32_t>(half_mask[c])} << 32 * half;
+  }
+  return met;
+}
+
+#ifdef __AVX512DQ__
+/// Sixteen lanes: near and far planes of eight children in turn, so that one register does it all; a mask of pairs of lanes is one of 64-bit integers.
+template <>
+[[gnu::always_inline]] inline ChildRays rays_of_children<Lanes<Isa::avx512>>(const WideNode& node, std::uint32_t octant, const StreamRay* ray,
+                                                                             std::uint64_t wanted) noexcept {
+  using L = Lanes<Isa::avx512>;
+  using Shuffles = LaneShuffles<Isa::avx512>;
+  using Float = L::Float;
+  Float plane[3];
+  for (int a = 0; a < 3; ++a) {
+    const int swapped = (octant >> a & 1) != 0 ? 3 : 0;
+    plane[a] = Shuffles::interleave(node.plane[a + swapped], node.plane[a + 3 - swapped]);
+  }
+  const float factors[2] = {1.0f - kSlabPadding, 1.0f + kSlabPadding};
+  const Float padding = Shuffles::repeat_pair(factors);
+  __m512i met = _mm512_setzero_si512();
+  for (; wanted != 0; wanted &= wanted - 1) {
+    const StreamRay& one = ray[__builtin_ctzll(wanted)];
+    Float ends(-kInfinity);
+    for (int a = 0; a < 3; ++a) ends = L::max((plane[a] - Float(one.org[a])) * Shuffles::repeat_pair(one.inv_dir[a]), ends);
+    ends = L::max(L::mul_add(ends, padding, Float(one.slack)), Shuffles::repeat_pair(one.interval));
+    const __mmask16 inside = L::Mask(ends + Shuffles::swap_in_pairs(ends) <= Float(0.0f));
+    met = _mm512_mask_or_epi32(met, inside, met, _mm512_set1_epi64(static_cast<long long>(wanted & -wanted)));
+  }
+  ChildRays children;
+  _mm512_store_si512(&children, met);
+  return children;
+}
+#endif
+
+}  // namespace raymeter

@@ -1,0 +1,55 @@
+#pragma once
+
+// The traversal stack of a group: children and the rays that want them.
+
+#include "accel/bvh/stream_node_kernel.h"
+
+namespace raymeter {
+
+struct StreamStack {
+  std::uint64_t* rays;
+  WideRef* child;
+  std::int32_t size = 0;
+
+  StreamStack() = default;
+  StreamStack(std::byte* scratch, std::int32_t capacity) noexcept
+      : rays(reinterpret_cast<std::uint64_t*>(scratch)), child(reinterpret_cast<WideRef*>(rays + capacity + kWideChildren)) {}
+  [[gnu::always_inline]] void push(WideRef ref, std::uint64_t wanted) noexcept {
+    rays[size] = wanted;
+    child[size++] = ref;
+  }
+};
+
+/// Pushes the children that any ray meets, the nearest last; `order` as in WideNode.
+template <class L>
+[[gnu::always_inline]] inline void push_children(StreamStack& stack, const WideNode& node, std::uint32_t order, const ChildRays& met) noexcept {
+  for (int i = kWideChildren - 1; i >= 0; --i) {
+    const std::uint32_t place = order >> 4 * i & 7;
+    stack.rays[stack.size] = met.rays[place];
+    stack.child[stack.size] = node.child[place];
+    stack.size += met.rays[place] != 0 ? 1 : 0;
+  }
+}
+
+#ifdef __AVX512DQ__
+template <>
+[[gnu::always_inline]] inline void push_children<Lanes<Isa::avx512>>(StreamStack& stack, const WideNode& node, std::uint32_t order,
+                                                                     const ChildRays& met) noexcept {
+  const __m512i place = _mm512_srlv_epi64(_mm512_set1_epi64(order), _mm512_setr_epi64(28, 24, 20, 16, 12, 8, 4, 0));
+  const __m512i rays = _mm512_permutexvar_epi64(place, _mm512_load_si512(&met));
+  const __m256i child = _mm256_permutexvar_epi32(_mm512_cvtepi64_epi32(place), _mm256_load_si256(reinterpret_cast<const __m256i*>(node.child)));
+  const __mmask8 wanted = _mm512_test_epi64_mask(rays, rays);
+  _mm512_storeu_si512(stack.rays + stack.size, _mm512_maskz_compress_epi64(wanted, rays));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(stack.child + stack.size), _mm256_maskz_compress_epi32(wanted, child));
+  stack.size += __builtin_popcount(wanted);
+}
+#endif
+
+[[gnu::always_inline]] inline void prefetch_child(const WideBvhView& bvh, WideRef child) noexcept {
+  const auto* const target = child.tag() == WideRef::Tag::inner   ? reinterpret_cast<const char*>(bvh.nodes + child.index())
+                             : child.tag() == WideRef::Tag::block ? reinterpret_cast<const char*>(bvh.blocks + child.index())
+                                                                  : reinterpret_cast<const char*>(bvh.runs + child.index());
+  for (int line = 0; line < 4; ++line) __builtin_prefetch(target + 64 * line);
+}
+
+}  // namespace raymeter
