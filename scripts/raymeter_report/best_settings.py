@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from .cells import STRUCTURE_ORDER, Cell, finite, parse_params, rank, rays_of, scenes_of, setting_key, varying_settings
+from .cells import STRUCTURE_ORDER, Cell, finite, rank, rays_of, scenes_of, setting_key, varying_settings
 from .numbers import integer, plain, significant
 from .table import SETTING_TITLES, Column, Field, Table, number_field
 from .tables import per_ray
@@ -20,12 +20,11 @@ class Measure:
 
 
 def steps_per_ray(cell: Cell) -> float | None:
-    """Inner nodes and leaves or cells entered. Where rays go from cell to cell, node visits are all: leaf visits are some of them."""
+    """Inner nodes and leaves or cells entered. Grids and octrees count leaf visits among their node visits."""
     nodes, leaves = (per_ray(cell.counters, event) for event in ("node_visits", "leaf_visits"))
     if nodes is None or leaves is None:
         return None
-    cell_by_cell = cell.technique[0] in ("grid", "recursive_grid") or parse_params(cell.technique[1]).get("tracking") in ("point_location", "neighbour")
-    return nodes if cell_by_cell else nodes + leaves
+    return nodes if cell.technique[0] in ("grid", "recursive_grid", "octree") else nodes + leaves
 
 
 def build_time(cell: Cell) -> float | None:
