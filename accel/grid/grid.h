@@ -15,6 +15,7 @@ struct GridParams {
   bool mailbox = true;
   std::string traversal = "lanes";
   std::string start = "t_min";
+  std::string blocker = "first";
 
   static auto fields() {
     using Field = Param<GridParams>;
@@ -38,6 +39,14 @@ struct GridParams {
                                 0,
                                 0,
                                 {"t_min", "origin"},
+                                ParamUse::query}),
+        where<GridParams>([](const GridParams& p) { return p.traversal == "lanes"; },
+                          Field{"blocker",
+                                &GridParams::blocker,
+                                "where a ray that asks for any hit ends: at the first that is found, or at the nearest",
+                                0,
+                                0,
+                                {"first", "nearest"},
                                 ParamUse::query}),
     };
   }

@@ -17,7 +17,12 @@ namespace {
 template <Query Q, class L, class Stats>
 void trace_by_lanes(const GridView& grid, const TraceArgs& args, Stats stats) noexcept {
   with_groups<L>(args.packet, [&]<int kGroups>() noexcept {
-    for_each_packet<Q, L, kGroups>(args, [&](Packet<L, kGroups>& packet) noexcept { traverse_by_lanes<Q, L, kGroups>(grid, packet, stats); });
+    for_each_packet<Q, L, kGroups>(args, [&](Packet<L, kGroups>& packet) noexcept {
+      if (Q == Query::any && !grid.nearest_blocker)
+        traverse_by_lanes<Query::any, L, kGroups>(grid, packet, stats);
+      else
+        traverse_by_lanes<Query::closest, L, kGroups>(grid, packet, stats);
+    });
   });
 }
 

@@ -48,7 +48,8 @@ struct GridView {
   PrimKind kind[kPrimKindCount];
   std::int32_t prim_count[kPrimKindCount];  ///< in the whole scene, in the order of `kind`
   bool mailbox;
-  bool from_origin;  ///< rays walk from their origin on, even where their interval begins later
+  bool from_origin;      ///< rays walk from their origin on, even where their interval begins later
+  bool nearest_blocker;  ///< rays that ask for any hit end at the nearest
 };
 
 }  // namespace raymeter

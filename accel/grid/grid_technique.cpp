@@ -20,7 +20,7 @@ public:
   [[nodiscard]] const BuildStats& stats() const noexcept override { return stats_; }
   [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
     const auto params = bind<GridParams>(options.params);
-    const GridView view = grid_.view(params.mailbox, params.start == "origin");
+    const GridView view = grid_.view(params.mailbox, params.start == "origin", params.blocker == "nearest");
     if (params.traversal == "slices") {
       return std::make_unique<KernelIntersector<GridView>>(view, kernels_for<GridSlicesKernel, GridView>(options.isa), options.packet);
     }

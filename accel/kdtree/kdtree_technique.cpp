@@ -21,7 +21,7 @@ std::vector<Param<Params>> shared_fields() {
        0,
        {"packet", "frustum"},
        ParamUse::query},
-      {"mailbox", &Params::mailbox, "a packet remembers the last 16 primitives that it tested, and tests none of them again", 0, 0, {}, ParamUse::query},
+      {"mailbox", &Params::mailbox, "a packet remembers what it tested, in a table of 16 slots, and tests none of that again", 0, 0, {}, ParamUse::query},
   };
 }
 

@@ -9,14 +9,15 @@ namespace {
 
 constexpr int kPlanes = 10;
 
-double middle(const Aabb& cell, glm::length_t a) noexcept { return 0.5 * (double{cell.min[a]} + double{cell.max[a]}); }
+double center(const Aabb& box, glm::length_t a) noexcept { return 0.5 * (double{box.min[a]} + double{box.max[a]}); }
 
-/// Median of the centres of the boxes' parts in the cell.
-double object_median(const Aabb& cell, glm::length_t a, const std::vector<Aabb>& boxes, std::span<const std::uint32_t> in_cell) {
+/// Median of the objects, each where its box, or the box's part in the cell, has its centre.
+double object_median(const SplitRule& rule, const Aabb& cell, glm::length_t a, const std::vector<Aabb>& boxes, std::span<const std::uint32_t> in_cell) {
   std::vector<double> centers;
   centers.reserve(in_cell.size());
   for (const std::uint32_t e : in_cell) {
-    centers.push_back(0.5 * (double{std::max(boxes[e].min[a], cell.min[a])} + double{std::min(boxes[e].max[a], cell.max[a])}));
+    const double of_part = 0.5 * (double{std::max(boxes[e].min[a], cell.min[a])} + double{std::min(boxes[e].max[a], cell.max[a])});
+    centers.push_back(rule.whole_boxes ? center(boxes[e], a) : of_part);
   }
   const auto half = centers.begin() + static_cast<std::ptrdiff_t>(centers.size() / 2);
   std::nth_element(centers.begin(), half, centers.end());
@@ -24,15 +25,19 @@ double object_median(const Aabb& cell, glm::length_t a, const std::vector<Aabb>&
 }
 
 /// The cheapest plane of axis a.
-double cost_plane(const Aabb& cell, glm::length_t a, const std::vector<Aabb>& boxes, std::span<const std::uint32_t> in_cell) {
-  const double from = middle(cell, a), to = object_median(cell, a, boxes, in_cell);
+double cost_plane(const SplitRule& rule, const Aabb& cell, glm::length_t a, const std::vector<Aabb>& boxes, std::span<const std::uint32_t> in_cell) {
+  const double from = center(cell, a), to = object_median(rule, cell, a, boxes, in_cell);
   std::array<float, kPlanes> plane{};
   std::array<std::int64_t, kPlanes> below{}, above{};
-  for (std::size_t i = 0; i < kPlanes; ++i) plane[i] = static_cast<float>(from + (to - from) * static_cast<double>(i + 1) / (kPlanes + 1));
+  for (std::size_t i = 0; i < kPlanes; ++i) {
+    const auto step = static_cast<double>(i);
+    plane[i] = static_cast<float>(from + (to - from) * (rule.ends ? step / (kPlanes - 1) : (step + 1) / (kPlanes + 1)));
+  }
   for (const std::uint32_t e : in_cell) {
+    const double at = center(boxes[e], a);
     for (std::size_t i = 0; i < kPlanes; ++i) {
-      below[i] += boxes[e].min[a] <= plane[i] ? 1 : 0;
-      above[i] += boxes[e].max[a] >= plane[i] ? 1 : 0;
+      below[i] += (rule.count_centers ? at <= double{plane[i]} : boxes[e].min[a] <= plane[i]) ? 1 : 0;
+      above[i] += (rule.count_centers ? at > double{plane[i]} : boxes[e].max[a] >= plane[i]) ? 1 : 0;
     }
   }
   const glm::dvec3 extent = glm::dvec3(cell.max) - glm::dvec3(cell.min);
@@ -51,11 +56,17 @@ double cost_plane(const Aabb& cell, glm::length_t a, const std::vector<Aabb>& bo
 
 }  // namespace
 
-glm::vec3 split_point(OctreeSplit split, const Aabb& cell, double least, const std::vector<Aabb>& boxes, std::span<const std::uint32_t> in_cell) {
+SplitRule::SplitRule(const OctreeParams& params)
+    : split(params.split == "cost" ? OctreeSplit::cost : OctreeSplit::center),
+      ends(params.cost_planes == "ends"),
+      whole_boxes(params.cost_median == "boxes"),
+      count_centers(params.cost_counts == "centers") {}
+
+glm::vec3 split_point(const SplitRule& rule, const Aabb& cell, double least, const std::vector<Aabb>& boxes, std::span<const std::uint32_t> in_cell) {
   glm::vec3 point(std::numeric_limits<float>::infinity());
   for (glm::length_t a = 0; a < 3; ++a) {
     if (!(double{cell.max[a]} - double{cell.min[a]} >= least)) continue;
-    const double plane = split == OctreeSplit::cost ? cost_plane(cell, a, boxes, in_cell) : middle(cell, a);
+    const double plane = rule.split == OctreeSplit::cost ? cost_plane(rule, cell, a, boxes, in_cell) : center(cell, a);
     const auto rounded = static_cast<float>(plane);
     // A plane on the cell's border would divide nothing off.
     if (rounded > cell.min[a] && rounded < cell.max[a]) point[a] = rounded;

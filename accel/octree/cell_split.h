@@ -11,12 +11,23 @@ namespace raymeter {
 
 enum class OctreeSplit : std::uint8_t { center, cost };
 
-/// Where a cell is divided: a plane for each axis, infinite where it is not to be. Axes shorter than `least` are not divided.
+/// How cells are divided, by `split`:
 ///   center  in the middle
-///   cost    of ten planes, evenly between the middle and the objects' median, the one with the least of (area below) (boxes below) + (area above) (boxes
-///   above):
-///           MacDonald, Booth 1990, whose plane of least cost lies between the two medians
-/// `boxes` are all primitives' boxes, `in_cell` those that the cell lists.
-[[nodiscard]] glm::vec3 split_point(OctreeSplit split, const Aabb& cell, double least, const std::vector<Aabb>& boxes, std::span<const std::uint32_t> in_cell);
+///   cost    of ten planes, evenly between the middle and the objects' median, the one with the least of (area below) (objects below) + (area above) (objects
+///           above): MacDonald, Booth 1990, whose plane of least cost lies between the two medians
+/// What published tables leave open of `cost`:
+struct SplitRule {
+  OctreeSplit split = OctreeSplit::center;
+  bool ends = false;           ///< the middle and the median are two of the ten planes, instead of none
+  bool whole_boxes = false;    ///< the median is of the centres of the boxes, instead of those of their parts in the cell
+  bool count_centers = false;  ///< an object is on the side of its box's centre, instead of on each that its box touches
+
+  explicit SplitRule(const OctreeParams& params);
+};
+
+/// Where a cell is divided: a plane for each axis, infinite where it is not to be. Axes shorter than `least` are not divided. `boxes` are all primitives'
+/// boxes, `in_cell` those that the cell lists.
+[[nodiscard]] glm::vec3 split_point(const SplitRule& rule, const Aabb& cell, double least, const std::vector<Aabb>& boxes,
+                                    std::span<const std::uint32_t> in_cell);
 
 }  // namespace raymeter

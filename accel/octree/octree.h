@@ -10,6 +10,9 @@ struct OctreeParams {
   int max_depth = 12;
   int leaf_size = 8;
   std::string split = "center";
+  std::string cost_planes = "between";
+  std::string cost_median = "parts";
+  std::string cost_counts = "boxes";
   std::string placement = "exact";
   std::string root = "box";
   double growth = 0.001;
@@ -20,10 +23,29 @@ struct OctreeParams {
 
   static auto fields() {
     using Field = Param<OctreeParams>;
+    constexpr auto by_cost = [](const OctreeParams& p) { return p.split == "cost"; };
     return std::array{
         Field{"max_depth", &OctreeParams::max_depth, "levels below the root at most", 0, 20},
         Field{"leaf_size", &OctreeParams::leaf_size, "a cell of so many primitives is not divided", 1, 64},
         Field{"split", &OctreeParams::split, "where cells are divided: in the middle, or where each axis expects the least cost", 0, 0, {"center", "cost"}},
+        where<OctreeParams>(by_cost, Field{"cost_planes",
+                                           &OctreeParams::cost_planes,
+                                           "ten planes are tried: between the cell's middle and the objects' median, or with these ends",
+                                           0,
+                                           0,
+                                           {"between", "ends"}}),
+        where<OctreeParams>(by_cost, Field{"cost_median",
+                                           &OctreeParams::cost_median,
+                                           "objects stand in their median where their boxes have their centres, or the boxes' parts in the cell",
+                                           0,
+                                           0,
+                                           {"parts", "boxes"}}),
+        where<OctreeParams>(by_cost, Field{"cost_counts",
+                                           &OctreeParams::cost_counts,
+                                           "an object counts on each side that its box touches, or on that of its box's centre",
+                                           0,
+                                           0,
+                                           {"boxes", "centers"}}),
         Field{"placement",
               &OctreeParams::placement,
               "cells that list a primitive: those that it touches itself, or those that its box touches",

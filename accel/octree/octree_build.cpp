@@ -47,12 +47,11 @@ struct Division {
 
 class OctreeBuilder {
 public:
-  OctreeBuilder(const Scene& scene, const OctreeParams& params) : pools_(scene.pools()), params_(params) {
+  OctreeBuilder(const Scene& scene, const OctreeParams& params) : pools_(scene.pools()), params_(params), rule_(params) {
     for (std::size_t k = 0; k < kPrimKindCount; ++k) {
       const auto kind = static_cast<PrimKind>(k);
       for (std::size_t i = 0; i < pools_.size(kind); ++i) draft_.entries.push_back(prim_ref(kind, i));
     }
-    split_ = params.split == "cost" ? OctreeSplit::cost : OctreeSplit::center;
     tree_.exact = params.placement == "exact";
   }
 
@@ -123,7 +122,7 @@ private:
 
   void divide(const BuildCell& cell, Division& division) {
     if (cell.count <= static_cast<std::size_t>(params_.leaf_size)) return;
-    division.split = split_point(split_, cell.box, least_, boxes_, std::span(refs_).subspan(cell.first, cell.count));
+    division.split = split_point(rule_, cell.box, least_, boxes_, std::span(refs_).subspan(cell.first, cell.count));
     if (!(std::min({division.split.x, division.split.y, division.split.z}) < std::numeric_limits<float>::infinity())) return;
     using Counts = std::array<std::uint32_t, 8>;
     division.count = tbb::parallel_reduce(
@@ -216,7 +215,7 @@ private:
 
   const Pools& pools_;
   const OctreeParams& params_;
-  OctreeSplit split_ = OctreeSplit::center;
+  SplitRule rule_;
   double least_ = 0;
   Octree tree_;
   OctreeDraft draft_;

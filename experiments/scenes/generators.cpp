@@ -40,8 +40,11 @@ constexpr std::array kGenerators{
                    make_jacks},
     SceneGenerator{"spd:sombrero", "rippled surface: a regular height field of triangles", "number of doublings of 16 samples a side", 1, 1, 8, make_sombrero},
     // Our own
-    SceneGenerator{"gen:split_gears", "spd:gears with its 144-gons split into triangles, as some programs read polygons", "number of gears a side", 4, 1, 64,
-                   make_split_gears},
+    SceneGenerator{"gen:split_gears", "spd:gears with its 144-gons split into fans of long triangles, as some programs read polygons", "number of gears a side",
+                   4, 1, 64, make_split_gears},
+    SceneGenerator{"gen:ear_gears", "spd:gears with its 144-gons split into compact triangles, by cutting off ears", "number of gears a side", 4, 1, 64,
+                   make_ear_gears},
+    SceneGenerator{"gen:rim_gears", "spd:gears with the quads of its rims split into triangles", "number of gears a side", 4, 1, 64, make_rim_gears},
     SceneGenerator{"gen:hairball", "ball of tangled hair: long thin triangles in every direction, which fill their boxes badly",
                    "number of strands of 144 triangles", 2000, 1, 300'000, make_hairball},
     SceneGenerator{"gen:stadium", "small teapot in a large stadium: all detail in one spot, the worst case of a grid", "number of divisions of a teapot patch",

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <string>
 
@@ -36,9 +37,15 @@ void expect_equals_list(const Scene& scene, const RayBatch& rays, const std::str
 
 TEST(Grid, EqualsListBitForBit) {
   const Scene scene = mixed_scene(2000, 0.1);
-  for (const char* technique : {"grid", "grid:density=0.1", "grid:density=40", "grid:resolution=1x40x3", "grid:mailbox=off"}) {
+  for (const char* technique : {"grid", "grid:density=0.1", "grid:density=40", "grid:resolution=1x40x3", "grid:mailbox=off", "grid:blocker=nearest"}) {
     expect_equals_list(scene, random_rays(1500), technique);
   }
+}
+
+TEST(Grid, FindsTheNearestBlockerWhereThatIsAskedFor) {
+  const Scene scene = mixed_scene(2000, 0.1);
+  const Answer found = answer(scene, random_rays(1500), "grid:blocker=nearest,mailbox=off", Isa::scalar, 1);
+  EXPECT_TRUE(std::ranges::equal(found.blocker, found.hits.prim));
 }
 
 TEST(Grid, EqualsListAtHugeAndTinyCoordinates) {

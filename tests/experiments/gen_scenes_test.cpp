@@ -67,6 +67,30 @@ TEST(Icosphere, IsAClosedSurfaceOfUnitVectorsThatFacesOutwards) {
   }
 }
 
+/// Whatever is split, the same surface comes of it.
+TEST(SplitGears, CoverTheFacesThatTheySplit) {
+  const auto area_of = [](const Scene& scene) {
+    double sum = 0;
+    for (std::size_t i = 0; i < scene.pools().size(PrimKind::triangle); ++i) sum += area(triangle(scene, i));
+    return sum;
+  };
+  const Scene whole = load_scene("spd:gears:1"), fans = load_scene("gen:split_gears:1"), ears = load_scene("gen:ear_gears:1"),
+              rim = load_scene("gen:rim_gears:1");
+  EXPECT_EQ(fans.prim_count(), whole.prim_count() - 2 + 2 * 142);
+  EXPECT_EQ(ears.prim_count(), fans.prim_count());
+  EXPECT_EQ(rim.prim_count(), whole.prim_count() + 144);
+  // 36 teeth and gaps between radii of 0.995 and 0.9: the shoelace formula over the outline, twice.
+  double outline = 0;
+  const double pitch = std::acos(-1.0) / 18;
+  const std::array<std::pair<double, double>, 5> corners{{{0.995, -0.19}, {0.995, 0.19}, {0.9, 0.3}, {0.9, 0.7}, {0.995, 0.81}}};
+  for (std::size_t k = 0; k < 4; ++k) {
+    outline += 36 * corners[k].first * corners[k + 1].first * std::sin((corners[k + 1].second - corners[k].second) * pitch) / 2;
+  }
+  EXPECT_NEAR(area_of(fans), 2 * outline, 1e-5);
+  EXPECT_NEAR(area_of(ears), 2 * outline, 1e-5);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(bounds(ears).max[i], bounds(whole).max[i]);
+}
+
 TEST(Hairball, HasThinStrandsThatShareTheirCorners) {
   const Scene scene = generate_scene("gen:hairball");
   ASSERT_EQ(scene.prim_count(), 288'000);

@@ -16,6 +16,8 @@ namespace raymeter {
 [[nodiscard]] Scene make_gears(int size);
 /// The same with the outlines split into triangles, as some programs read polygons.
 [[nodiscard]] Scene make_split_gears(int size);
+[[nodiscard]] Scene make_ear_gears(int size);
+[[nodiscard]] Scene make_rim_gears(int size);
 [[nodiscard]] Scene make_mount(int size);
 [[nodiscard]] Scene make_rings(int size);
 [[nodiscard]] Scene make_teapot(int size);
