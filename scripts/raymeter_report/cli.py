@@ -7,7 +7,7 @@ from pathlib import Path
 
 from .cells import load_cells
 from .document import make_report
-from .figures import readme_figure
+from .figures import README_FIGURE, readme_figure
 from .html import html
 from .markdown import markdown
 from .records import ReportError, read_run
@@ -25,7 +25,8 @@ def parse_arguments(argv: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument("folders", nargs="+", type=Path, metavar="DIR", help="results folder")
     parser.add_argument("--out", type=Path, metavar="DIR", help="write the report into this folder")
-    parser.add_argument("--readme-figure", type=Path, metavar="OUT.svg", help="write only the figure of the README to this file")
+    parser.add_argument("--readme-figure", type=Path, metavar="OUT.svg", help="write only a figure, as the README has it, to this file")
+    parser.add_argument("--figure", default=README_FIGURE, metavar="NAME", help="which one, by its name in plots/ (default: %(default)s)")
     return parser.parse_args(argv)
 
 
@@ -36,9 +37,9 @@ def main(argv: Sequence[str]) -> int:
     try:
         runs = [read_run(folder) for folder in dict.fromkeys(arguments.folders)]
         if arguments.readme_figure:
-            figure = readme_figure(load_cells(runs))
+            figure = readme_figure(runs, load_cells(runs), arguments.figure)
             if figure is None:
-                raise ReportError(f"{runs[0].folder}: nothing was timed, so there is no figure to draw")
+                raise ReportError(f"{runs[0].folder}: what was timed gives no figure {arguments.figure}")
             arguments.readme_figure.write_text(figure, encoding="utf-8")
             print(arguments.readme_figure)
             return 0

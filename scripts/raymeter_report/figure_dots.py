@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from .numbers import axis_number, shortened
-from .style import INK, PAGE_WIDTH, PAPER, Look, new_figure, scale_axis
+from .style import INK, PAGE_WIDTH, Look, new_figure, scale_axis
 
 COLUMNS = 3
 
@@ -91,8 +91,7 @@ def draw_panel(axes: Axes, panel: Panel, scenes: list[str], techniques: list[str
         if dot.low is not None and dot.high is not None:
             axes.plot([dot.low, dot.high], [y, y], color=look.colour, linewidth=1.2, solid_capstyle="butt")
             axes.plot([dot.low, dot.high], [y, y], linestyle="none", marker="|", markersize=size + 1, color=look.colour, markeredgewidth=1.0)
-        mark = {"marker": look.marker, "markersize": size, "color": look.colour, "markeredgecolor": PAPER, "markeredgewidth": 0.4}
-        axes.plot([dot.value], [y], linestyle="none", **mark)
+        axes.plot([dot.value], [y], linestyle="none", **look.mark(size))
     for scene, technique in panel.absent:
         if technique in techniques:
             axes.plot(
@@ -103,7 +102,7 @@ def draw_panel(axes: Axes, panel: Panel, scenes: list[str], techniques: list[str
 def add_legend(figure: Figure, techniques: list[str], looks: dict[str, Look], with_failed: bool = False, notes: dict[str, str] = {}) -> None:
     """One legend above all panels; `notes` adds a remark to a technique's name."""
     handles = [
-        Line2D([], [], linestyle="none", marker=looks[label].marker, color=looks[label].colour, markersize=5, label=label + notes.get(label, ""))
+        Line2D([], [], linestyle="none", label=label + notes.get(label, ""), **looks[label].mark(5))
         for label in techniques
     ]
     if with_failed:

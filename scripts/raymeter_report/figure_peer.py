@@ -7,9 +7,9 @@ from matplotlib.figure import Figure
 from .cells import Cell, at_setting, isa_rank, main_setting, rays_of, scenes_of
 from .figure_dots import Dot, Panel, dot_figure
 from .peer import KINDS, MEAN, Duel, duels, means
-from .style import Look, shade
+from .style import Look
 
-AGAINST = {"fast": "against its best mode", "robust": "against its best robust mode"}
+AGAINST = {"fast": "against the best mode", "robust": "against the best robust mode"}
 
 
 def peer_duels(cells: Sequence[Cell]) -> dict[str, list[Duel]]:
@@ -38,10 +38,10 @@ def peer_figure(found: dict[str, list[Duel]], sizes: dict[str, float | None], lo
                 for (of_rays, of_isa, label), value in averages[kind].items()
                 if (of_rays, of_isa) == (rays, isa)
             ]
-            panels.append(Panel(f"{rays}, {isa}", "times as fast", dots, line=1.0))
+            panels.append(Panel(rays, f"times as fast, {isa}", dots, line=1.0))
     rows: dict[str, float | None] = {scene: sizes.get(scene) for scene in scenes_of(cells)}
     if any(averages.values()):
         rows[MEAN] = None
     labels = [label for label in looks if any(cell.label == label for cell in cells)]
-    marks = {f"{label} {AGAINST[kind]}": Look(shade(looks[label].colour, 0.5 if kind == "robust" else 0.0), looks[label].marker) for label in labels for kind in KINDS}
+    marks = {f"{label} {AGAINST[kind]}": Look(looks[label].colour, looks[label].marker, kind == "fast") for label in labels for kind in KINDS}
     return dot_figure(panels, rows, marks, columns=len(kinds))

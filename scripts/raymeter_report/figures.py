@@ -186,7 +186,7 @@ def peer_draft(cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:
     where = describe_setting(main_setting([duel.cell for duel in compared]), without="isa")
     caption = (
         f"Speed relative to {peer} on the same rays of the same run at {where}, {peer} in the mode and with the tree that is fastest there, limited to the same "
-        "instruction set, its conversion of rays included. Right of the line raymeter is faster. Light marks: against the peer’s watertight mode. Bars are 95 % confidence intervals of "
+        "instruction set, its conversion of rays included. Right of the line raymeter is faster. Open marks: against its watertight mode. Bars are 95 % confidence intervals of "
         "the median ratio; the geometric mean is over the scenes of triangles alone."
     )
     return Draft("speed_vs_peer", f"Speed against {peer}", caption, peer_figure(found, scene_sizes(cells), look_of))
@@ -279,10 +279,16 @@ def run_order_draft(runs: Sequence[Run], cells: Sequence[Cell], look_of: dict[st
     return Draft("run_order", "Samples in the order of the run", caption, run_order_figure(relative, look_of))
 
 
-def readme_figure(cells: Sequence[Cell], kinds: int = 3) -> str | None:
-    """The figure of the README as SVG that reads on light and dark pages; None where nothing was timed."""
-    setting = main_setting(cells)
-    chosen = [cell for cell in at_setting(cells, setting) if cell.rays in rays_of(cells)[:kinds]]
+README_FIGURE = "tests_vs_time"
+
+
+def readme_figure(runs: Sequence[Run], cells: Sequence[Cell], name: str = README_FIGURE, kinds: int = 3) -> str | None:
+    """A figure as SVG that reads on light and dark pages; None where the data do not give it. That of tests and time has the first ray kinds only."""
     with styled():
-        draft = scatter_draft(chosen, looks(cells), describe_setting(setting))
+        if name == README_FIGURE:
+            setting = main_setting(cells)
+            chosen = [cell for cell in at_setting(cells, setting) if cell.rays in rays_of(cells)[:kinds]]
+            draft = scatter_draft(chosen, looks(cells), describe_setting(setting))
+        else:
+            draft = next((one for one in drafts(runs, cells) if one.name == name), None)
         return None if draft is None else neutral_svg(svg_of(draft.figure, "raymeter", draft.caption))

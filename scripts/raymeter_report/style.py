@@ -80,6 +80,12 @@ class Look:
 
     colour: str
     marker: str
+    filled: bool = True
+
+    def mark(self, size: float) -> dict[str, object]:
+        """How matplotlib is to draw a mark; filled ones have an edge that sets them off from what lies below."""
+        face, edge, width = (self.colour, PAPER, 0.4) if self.filled else (PAPER, self.colour, 1.0)
+        return {"marker": self.marker, "markersize": size, "markerfacecolor": face, "markeredgecolor": edge, "markeredgewidth": width}
 
 
 def shade(colour: str, amount: float) -> str:

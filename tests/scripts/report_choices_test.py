@@ -185,6 +185,10 @@ class Choices(TemporaryFolder):
         xml.etree.ElementTree.fromstring(text)
         self.assertNotIn(style.INK, text)
         self.assertIn("time per ray [ns]", text)
+        self.assertEqual(run_cli("--readme-figure", path, "--figure", "mrays_per_s", self.folder)[0], 0)
+        self.assertIn("million rays per second", path.read_text(encoding="utf-8"))
+        code, _, message = run_cli("--readme-figure", path, "--figure", "speed_vs_peer", self.folder)
+        self.assertEqual((code, message.strip()), (2, f"{self.folder}: what was timed gives no figure speed_vs_peer"))
 
 
 class Numbers(unittest.TestCase):
