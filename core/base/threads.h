@@ -32,4 +32,10 @@ void for_each_index(std::size_t count, Body&& body) {
   });
 }
 
+/// The same for few calls that each take long.
+template <class Body>
+void for_each_task(std::size_t count, Body&& body) {
+  tbb::parallel_for(std::size_t{0}, count, body);
+}
+
 }  // namespace raymeter
