@@ -151,6 +151,7 @@ nlohmann::ordered_json config_schema() {
       closed_object({{"oracle", described({{"type", "boolean"}}, "hold hits against the exact oracle")},
                      {"max_tests", described({{"type", "number"}, {"minimum", 0}}, "ray-primitive tests of one verification; beyond, rays are sampled")},
                      {"hit_mismatch_max", described({{"type", "number"}, {"minimum", 0}, {"maximum", 1}}, "share of the rays that may be wrong")}});
+  const Json steps = described({{"type", "boolean"}}, "the structures are steps with one ingredient each: the report draws what each brings");
   Json properties{{"$schema", {{"type", "string"}}},
                   {"schema_version", {{"const", kSchemaVersion}}},
                   {"name", {{"type", "string"}, {"pattern", "^[A-Za-z0-9_][A-Za-z0-9._-]*$"}, {"description", "letters, digits, '.', '_' and '-'"}}},
@@ -159,7 +160,8 @@ nlohmann::ordered_json config_schema() {
                   {"exclude", {{"type", "array"}, {"items", pattern_schema()}, {"description", "cells that are not measured"}}},
                   {"image", described(image, "the camera that makes the rays, and the pixels of images")},
                   {"measure", measure_schema()},
-                  {"verify", verify}};
+                  {"verify", verify},
+                  {"report", closed_object({{"steps", steps}})}};
   Json schema{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "raymeter experiment"}};
   schema.update(closed_object(properties, {"name", "matrix"}));
   return schema;

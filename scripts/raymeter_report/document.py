@@ -17,7 +17,9 @@ from .glossary import GLOSSARY, SYMBOL_NOTE, Term
 from .peer import peer_table
 from .pictures import Picture, pictures_of
 from .records import Run
+from .scaling import scaling_table
 from .shadow_cache import shadow_cache_table
+from .steps import steps_table
 from .table import Table, in_order
 from .tables import (
     WRONG, accuracy_table, best_table, builds_table, counters_table, left_out_table, problem_table, results_table, simd_table, technique_table,
@@ -52,6 +54,8 @@ class Report:
     simd: Table | None
     counters: Table
     builds: Table
+    scaling: Table
+    steps: Table
     break_even: Table
     volumes: Table
     frames: Table
@@ -92,6 +96,8 @@ def make_report(runs: Sequence[Run], out: Path) -> Report:
         simd=simd_table(cells),
         counters=counters_table(cells),
         builds=builds_table(cells),
+        scaling=scaling_table(cells),
+        steps=steps_table(runs, cells),
         break_even=break_even_table(cells),
         volumes=volumes_table(cells),
         frames=frames_table(cells),

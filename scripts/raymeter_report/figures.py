@@ -13,12 +13,16 @@ from .cells import SETTING, Cell, at_setting, describe_setting, finite, main_set
 from .figure_best import best_figure
 from .figure_dots import Dot, Panel, dot_figure
 from .figure_error import error_figure
+from .figure_scaling import scaling_figure
 from .figure_scatter import Point, run_order_figure, scatter_figure
 from .figure_peer import peer_duels, peer_figure
 from .figure_memory import budget_lines, memory_figure
+from .figure_steps import steps_figure
 from .figure_sweep import sweep, sweep_figure
 from .frames import cuts
+from .scaling import growths
 from .records import Record, Run, whole
+from .steps import steps
 from .style import Look, inline_svg, looks, neutral_svg, save_figure, styled, svg_of
 
 
@@ -78,6 +82,8 @@ def drafts(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Draft]:
         peer_draft(cells, look_of),
         *best_drafts(cells, look_of),
         *sweep_drafts(cells, look_of),
+        scaling_draft(cells, look_of),
+        steps_draft(runs, cells, look_of),
         memory_draft(cells, look_of),
         error_draft(cells, look_of),
         run_order_draft(runs, cells, look_of),
@@ -227,6 +233,30 @@ def sweep_drafts(cells: Sequence[Cell], look_of: dict[str, Look]) -> list[Draft]
             caption += " The dashed line is perfect scaling."
         result.append(Draft(name, title, caption, sweep_figure(data, cells, look_of, axis, ideal=column == "threads")))
     return result
+
+
+def scaling_draft(cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:
+    """Costs against the number of primitives; None where no family of scenes has three sizes."""
+    found = growths(cells)
+    if not found:
+        return None
+    caption = (
+        f"Costs against the number of primitives, at {describe_setting(main_setting(cells), without='threads')}: scenes of a panel differ in size alone. Solid lines: on the fewest "
+        "threads; dashed: on more. In brackets the exponents of the power laws that fit the times per ray; the table has them one by one, with their intervals."
+    )
+    return Draft("scaling", "Cost against primitives", caption, scaling_figure(found, look_of))
+
+
+def steps_draft(runs: Sequence[Run], cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:
+    """What each step brings; None where no config says that its structures are steps."""
+    found = steps(runs, cells)
+    if not found:
+        return None
+    caption = (
+        f"What each ingredient brings, at {describe_setting(main_setting(cells))}: how many times as fast a step is as the one above it, the first of them as {found[0].before}. Bars are "
+        "geometric means over scenes, marks the single scenes with the 95 % confidence interval of the median ratio over the rounds of the run."
+    )
+    return Draft("steps", "Price list", caption, steps_figure(found, look_of))
 
 
 def memory_draft(cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Tests of what the report chooses and computes: labels, settings, sweeps, combined runs, rounding."""
 
+import json
 import math
 import sys
 import unittest
@@ -11,7 +12,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run
-from raymeter_report import best_settings, cells, figure_peer, figures, numbers, peer, records, shadow_cache, style, tables
+from raymeter_report import best_settings, cells, figure_peer, figures, numbers, peer, records, scaling, shadow_cache, steps, style, tables
 from report_support import TemporaryFolder, run_cli
 
 
@@ -112,6 +113,58 @@ class Peer(unittest.TestCase):
         self.assertIsNone(numbers.median_interval([1.0] * 5))
         self.assertEqual(numbers.median_interval([6.0, 5.0, 4.0, 3.0, 2.0, 1.0]), (1.0, 6.0))
         self.assertEqual(numbers.median_interval([float(i) for i in range(1, 10)]), (2.0, 8.0))
+
+
+class Growths(unittest.TestCase):
+    """Costs against the number of primitives."""
+
+    def cell(self, size: int, nanoseconds: float, threads: float = 1.0) -> cells.Cell:
+        summary = dict(scene=f"gen:cloud:{size}", rays="primary", phase="closest", structure="bvh", params="", first_hit="cast", occlusion="none", isa="avx2", packet=16.0)
+        summary |= dict(threads=threads, max_depth=5.0, min_weight=0.0, status="ok", median_ns_per_ray=nanoseconds, num_prims=float(size))
+        return cells.Cell("run", summary, dict(build_ms=size * 1e-3, bytes_per_prim=80.0), {}, {})
+
+    def test_exponents_of_known_powers(self) -> None:
+        table = scaling.scaling_table(self.labelled([self.cell(10**d, 5.0 * 10 ** (0.5 * d), threads) for d in (3, 4, 5, 6) for threads in (1.0, 2.0)]))
+        exponents = {(row[1].text, row[3].text): (row[-2].value, row[-1].value) for row in table.rows}
+        self.assertEqual(set(exponents), {("primary", "1"), ("primary", "2"), (scaling.BUILD, "1"), (scaling.BUILD, "2"), (scaling.MEMORY, "1")})
+        for key, exponent in ((("primary", "1"), 0.5), ((scaling.BUILD, "2"), 1.0), ((scaling.MEMORY, "1"), 0.0)):
+            self.assertAlmostEqual(exponents[key][0], exponent)
+            self.assertAlmostEqual(exponents[key][1], 0.0)
+
+    def test_interval_is_students(self) -> None:
+        power = scaling.fitted([(1.0, 1.0), (math.e, math.e**2), (math.e**2, math.e)])  # logarithms (0, 0), (1, 2), (2, 1): slope 1/2, residuals 1/2, -1, 1/2
+        self.assertAlmostEqual(power.exponent, 0.5)
+        self.assertAlmostEqual(power.half_width, 12.706 * math.sqrt(1.5 / 2))
+        self.assertIsNone(scaling.fitted([(1.0, 1.0), (2.0, 2.0)]).half_width)
+
+    def test_two_sizes_are_no_family(self) -> None:
+        self.assertEqual(scaling.growths(self.labelled([self.cell(1000, 1.0), self.cell(10000, 1.0)])), [])
+
+    def labelled(self, all_of: list[cells.Cell]) -> list[cells.Cell]:
+        cells._label(all_of)
+        return all_of
+
+
+class Steps(TemporaryFolder):
+    """A price list."""
+
+    def test_each_step_is_against_the_one_before_it_where_a_config_asks(self) -> None:
+        synthetic_run.write_run(self.folder, isas=["avx2"])
+        manifest = self.folder / "manifest.json"
+        document = json.loads(manifest.read_text())
+        for asked in (False, True):
+            document["config_text"] = {"report": {"steps": asked}}
+            manifest.write_text(json.dumps(document))
+            runs = [records.read_run(self.folder)]
+            all_of = cells.load_cells(runs)
+            found = steps.steps(runs, all_of)
+            self.assertEqual(bool(found), asked)
+        self.assertEqual(steps.techniques_in_order(found), ["list", "bvh", "grid"])
+        first = next(one for one in found if (one.scene, one.rays, one.technique) == ("spd:balls:4", "primary", "bvh"))
+        time = {cell.label: cell.number("median_ns_per_ray") for cell in all_of if (cell.scene, cell.rays) == ("spd:balls:4", "primary")}
+        self.assertAlmostEqual(first.ratio.value / (time["list"] / time["bvh"]), 1.0, delta=0.05)
+        self.assertEqual(run_cli(self.folder)[0], 0)
+        self.assertTrue((self.folder / "plots" / "steps.svg").is_file())
 
 
 class Choices(TemporaryFolder):
