@@ -19,11 +19,12 @@ struct GridParams {
 
   static auto fields() {
     using Field = Param<GridParams>;
+    constexpr auto automatic = [](const GridParams& p) { return p.resolution == "auto"; };
     return std::array{
-        Field{"density", &GridParams::density, "cells per primitive", 0.01, 64},
-        Field{"rule", &GridParams::rule, "how density becomes a resolution", 0, 0, {"cubic", "woo", "customary"}},
+        where<GridParams>(automatic, Field{"density", &GridParams::density, "cells per primitive", 0.01, 64}),
+        where<GridParams>(automatic, Field{"rule", &GridParams::rule, "how density becomes a resolution", 0, 0, {"cubic", "woo", "customary"}}),
         Field{"resolution", &GridParams::resolution, "cells on each axis as NXxNYxNZ, or auto: by rule and density"},
-        Field{"max_resolution", &GridParams::max_resolution, "cells on an axis at most, where resolution is auto", 1, 65535},
+        where<GridParams>(automatic, Field{"max_resolution", &GridParams::max_resolution, "cells on an axis at most, where resolution is auto", 1, 65535}),
         Field{"touching",
               &GridParams::touching,
               "boxes that are listed on both sides of a plane which they touch: those that begin there, that end there, or all",
