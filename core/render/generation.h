@@ -36,18 +36,16 @@ struct Generation {
   [[nodiscard]] std::size_t size() const noexcept { return rays.size(); }
 };
 
-/// Shadow rays towards one light, and what they bring to their pixels unless they are blocked.
+/// Shadow rays towards one light.
 struct ShadowRays {
   RayBatch rays;
   ShadowOrigins origins;
-  Column<std::int32_t> slot;
-  Column<glm::vec3> radiance;
+  Column<std::int32_t> point;  ///< number of the shading point that each leaves
 
   void resize(std::size_t size) {
     rays.resize(size);
     origins.resize(size);
-    slot.resize(size);
-    radiance.resize(size);
+    point.resize(size);
   }
   [[nodiscard]] std::size_t size() const noexcept { return rays.size(); }
 };

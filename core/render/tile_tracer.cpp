@@ -132,13 +132,13 @@ void TileTracer::add_light(std::size_t light_number, std::int32_t node) {
   shadow_.resize(points_.size());
   shadow_.origins.node = node;
   std::size_t count = 0;
-  for (const ShadingPoint& point : points_) {
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const ShadingPoint& point = points_[i];
     if (!faces(point, light)) continue;
     shadow_.rays.set(count, spawn_ray_to(point.surface, light.position, frame_.rules.distance_min));
     shadow_.origins.light[count] = static_cast<std::int32_t>(light_number);
     shadow_.origins.source[count] = point.prim;
-    shadow_.slot[count] = point.slot;
-    shadow_.radiance[count] = glm::vec3(glm::dvec3(point.weight) * phong(point, light));
+    shadow_.point[count] = static_cast<std::int32_t>(i);
     ++count;
   }
   shadow_.resize(count);
@@ -148,10 +148,12 @@ void TileTracer::add_light(std::size_t light_number, std::int32_t node) {
                   [&](Counters* counters) { occlusion_.find(shadow_.rays, shadow_.origins, blocker_, threads_, counters); });
   rays_.shadow += static_cast<std::int64_t>(count);
   for (std::size_t i = 0; i < count; ++i) {
-    if (blocker_[i] < 0)
-      sum_[static_cast<std::size_t>(shadow_.slot[i])] += glm::dvec3(shadow_.radiance[i]);
-    else
+    if (blocker_[i] >= 0) {
       ++rays_.shadow_blocked;
+      continue;
+    }
+    const ShadingPoint& point = points_[static_cast<std::size_t>(shadow_.point[i])];
+    sum_[static_cast<std::size_t>(point.slot)] += glm::dvec3(glm::vec3(glm::dvec3(point.weight) * phong(point, light)));
   }
 }
 
