@@ -1,14 +1,16 @@
 #pragma once
 
-// A packet's rays in beams of up to sixteen: slim enough to cull single triangles. A beam around all of them is tested against a node's children first, and the
+// Up to 256 rays in beams of up to sixteen, slim enough to cull single triangles. A beam around all of them is tested against a node's children first, and the
 // beams themselves, side by side in a register, against the children that it meets.
 
 #include "accel/bvh/beam_node_kernel.h"
 
 namespace raymeter {
 
-inline constexpr int kBeamRays = 16;
-inline constexpr int kMaxBeams = kMaxPacket / kBeamRays;
+inline constexpr int kMaxBeams = kMaxGroupRays / kBeamRays;
+/// Beams wider together than this share of the scene part early: then they are no group. Those of rays that any hit ends part sooner.
+template <Query Q>
+inline constexpr float kSlimGroup = Q == Query::closest ? 0.1f : kSlimBeam;
 
 template <class L, int kGroups>
 struct BeamGroup {
@@ -22,8 +24,8 @@ struct BeamGroup {
   alignas(64) float at_zero[4][kRow];  ///< their lines low[0], low[1], high[0], high[1]
   alignas(64) float slope[4][kRow];
 
-  /// Makes the beams inside `box`. Returns whether they have a slim one in common; where they have not, each has its own, or none.
-  bool make_beams(const float* box) noexcept {
+  /// Makes the beams inside `box`. Returns whether they have one in common, no wider than `slim` of the box; where they have not, each has its own, or none.
+  bool make_beams(const float* box, float slim) noexcept {
     float extent = 0;
     for (int a = 0; a < 3; ++a) extent = box[a + 3] - box[a] > extent ? box[a + 3] - box[a] : extent;
     alive = 0;
@@ -32,7 +34,7 @@ struct BeamGroup {
       for (int g = 0; g < rays[p].group_count(); ++g) lives |= L::any(rays[p].live(g));
       alive |= (lives ? 1u : 0u) << p;
     }
-    if (count > 1 && alive != 0 && make_common(box, extent)) return true;
+    if (count > 1 && alive != 0 && make_common(box, extent, slim)) return true;
     for (int p = 0; p < count; ++p) make_own(p, box, extent);
     return false;
   }
@@ -40,22 +42,28 @@ struct BeamGroup {
     if (beam[p].axis >= 0) farthest[p] = farthest_plane(beam[p], rays[p]);
   }
   [[nodiscard]] float farthest_of_all() const noexcept {
-    float all = -kInfinity;
-    for (int p = 0; p < count; ++p) all = farthest[p] > all ? farthest[p] : all;
-    return all;
+    auto all = L::load(farthest);
+    for (int p = L::kWidth; p < kMaxBeams; p += L::kWidth) all = L::max(L::load(farthest + p), all);
+    return L::reduce_max(all);
+  }
+  /// The beams, as bits, that can still find something at or behind a plane (times their sign).
+  [[nodiscard]] std::uint32_t reach(float plane) const noexcept {
+    std::uint32_t beams = 0;
+    for (int p = 0; p < kMaxBeams; p += L::kWidth) beams |= L::bits(typename L::Float(plane) <= L::load(farthest + p)) << p;
+    return beams;
   }
 
 private:
-  bool make_common(const float* box, float extent) noexcept {
+  bool make_common(const float* box, float extent, float slim) noexcept {
     whole = Beam{};
     pick_axis(rays, count, whole);
     if (whole.axis < 0) return false;
     set_planes(rays, count, box, whole);
     BeamEnds all{{{kInfinity, kInfinity}, {kInfinity, kInfinity}}, {{-kInfinity, -kInfinity}, {-kInfinity, -kInfinity}}};
-    for (int p = 0; p < count; ++p) {
+    for (int p = 0; p < kMaxBeams; ++p) {
       farthest[p] = -kInfinity;
-      beam[p] = whole;
       if ((alive >> p & 1) == 0) continue;
+      beam[p] = whole;
       const BeamEnds ends = beam_ends(rays[p], whole);
       if (!set_lines(ends, extent, beam[p])) return false;
       for (int i = 0; i < 2; ++i) {
@@ -70,7 +78,7 @@ private:
       }
       update_farthest(p);
     }
-    return set_lines(all, extent, whole) && whole.slim;
+    return set_lines(all, slim / kSlimBeam * extent, whole) && whole.slim;
   }
   void make_own(int p, const float* box, float extent) noexcept {
     beam[p] = Beam{};

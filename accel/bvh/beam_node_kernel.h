@@ -4,6 +4,7 @@
 
 #include "accel/beam_kernel.h"
 #include "accel/bvh/wide_layout.h"
+#include "core/simd/bytes_kernel.h"
 
 namespace raymeter {
 
@@ -30,14 +31,16 @@ inline std::uint32_t children_met(const Beam& beam, const WideNode& node, float 
   return met;
 }
 
-/// The block's triangles that are not wholly outside one side of the beam; returns how many.
+/// The block's triangles that are not wholly outside one side of the beam, as bits.
 template <class L>
-inline std::int32_t triangles_met(const Beam& beam, const TriangleBlock& block, float farthest, std::int32_t* triangle) noexcept {
+inline std::uint32_t triangles_met(const Beam& beam, const TriangleBlock& block, float farthest) noexcept {
   using Float = typename L::Float;
   using Int = typename L::Int;
-  alignas(64) std::int32_t outside[TriangleBlock::kVertices + L::kWidth];
+  using Sides = Bytes<L::kIsa>;
+  Int outside[Sides::kLanes];
   const Int zero(0);
-  for (int v = 0; v < TriangleBlock::kVertices; v += L::kWidth) {
+  for (int g = 0; g < Sides::kLanes; ++g) {  // the last vertices are what follows in the block, to no effect
+    const int v = g * L::kWidth;
     const Float c = L::load(block.vertex[beam.axis] + v);
     Int sides = L::select(c > Float(beam.greatest(farthest)), Int(1), zero) + L::select(c < Float(beam.least(farthest)), Int(2), zero);
     for (int i = 0; i < 2; ++i) {
@@ -45,14 +48,11 @@ inline std::int32_t triangles_met(const Beam& beam, const TriangleBlock& block, 
       sides = sides + L::select(x < L::mul_add(Float(beam.low[i].slope), c, Float(beam.low[i].at_zero)), Int(4 << 2 * i), zero);
       sides = sides + L::select(x > L::mul_add(Float(beam.high[i].slope), c, Float(beam.high[i].at_zero)), Int(8 << 2 * i), zero);
     }
-    L::store(outside + v, sides);
+    outside[g] = sides;
   }
-  std::int32_t count = 0;
-  for (std::int32_t t = 0; t < block.count; ++t) {
-    triangle[count] = t;
-    count += (outside[block.corner[0][t]] & outside[block.corner[1][t]] & outside[block.corner[2][t]]) == 0 ? 1 : 0;
-  }
-  return count;
+  const auto table = Sides::narrow(outside);
+  const auto of_corner = [&](int k) noexcept { return Sides::lookup(table, Sides::load(block.corner[k])); };
+  return Sides::zeros(Sides::both(Sides::both(of_corner(0), of_corner(1)), of_corner(2))) & ((1u << block.count) - 1);
 }
 
 }  // namespace raymeter

@@ -13,6 +13,7 @@ struct BvhParams : SahParams, GoldsmithSalmonParams, SbvhParams, PlocParams, Tre
   std::string volume = "aabb";
   std::string builder = "binned_sah";
   std::string traversal = "packet";
+  int group = 256;
 
   [[nodiscard]] static std::vector<Param<BvhParams>> fields();
   /// Whether the traversal needs the hierarchy of wide_tree.h.

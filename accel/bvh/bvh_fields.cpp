@@ -48,6 +48,8 @@ std::vector<Field> BvhParams::fields() {
        ParamUse::build,
        nullptr,
        {{"packet", "heap"}, {"beam", "stream"}}},
+      where([](const BvhParams& p) { return p.traversal == "beam"; },
+            Field{"group", &BvhParams::group, "beam: rays that go down together in beams of 16, where packets hold as many", 16, 256, {}, ParamUse::query}),
       where(by_bins, Field{"bins", &BvhParams::bins, "binned_sah, sbvh: bins per axis, where a node has at least that many primitives", 2, 64}),
       where([](const BvhParams& p) { return by_sah(p) || by_wide_nodes(p); },
             Field{"max_leaf_size", &BvhParams::max_leaf_size,

@@ -21,16 +21,21 @@ public:
                                                                                      tree_.runs.data(),
                                                                                      pools_.view(),
                                                                                      {box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z},
-                                                                                     tree_.stack_capacity} {
+                                                                                     tree_.stack_capacity,
+                                                                                     kMaxGroupRays} {
     tree_.order = {};
     tree_.stats.mem_bytes = sizeof *this + tree_.nodes.bytes() + tree_.blocks.bytes() + tree_.runs.capacity() * sizeof(PrimitiveRun) + pools_.mem_bytes();
   }
   [[nodiscard]] const BuildStats& stats() const noexcept override { return tree_.stats; }
   [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
-    const bool stream = bind<BvhParams>(options.params).traversal == "stream";
-    const auto& kernels = stream ? kernels_for<StreamKernel, WideBvhView>(options.isa) : kernels_for<WideBvhKernel, WideBvhView>(options.isa);
-    const std::size_t scratch = stream ? stream_bytes(view_.stack_capacity) : wide_stack_bytes(view_.stack_capacity);
-    return std::make_unique<KernelIntersector<WideBvhView>>(view_, kernels, options.packet, scratch);
+    const auto params = bind<BvhParams>(options.params);
+    if (params.traversal == "stream")
+      return std::make_unique<KernelIntersector<WideBvhView>>(view_, kernels_for<StreamKernel, WideBvhView>(options.isa), options.packet,
+                                                              stream_bytes(view_.stack_capacity));
+    WideBvhView view = view_;
+    view.group_rays = params.group;
+    return std::make_unique<KernelIntersector<WideBvhView>>(view, kernels_for<WideBvhKernel, WideBvhView>(options.isa), options.packet,
+                                                            beam_stack_bytes(view_.stack_capacity));
   }
 
 private:

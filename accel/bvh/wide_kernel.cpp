@@ -1,12 +1,13 @@
-// Beam traversal of an 8-wide hierarchy, front to back by the octant order of each node: a packet's beam is tested against eight children at once, its rays
-// only at the boxes of leaves, and a leaf's triangles only where the beam meets them. Packets whose rays have no beam in common, or a wide one, test their rays
-// at inner nodes too.
+// Beam traversal of an 8-wide hierarchy, front to back by the octant order of each node: a beam is tested against eight children at once, its rays only at the
+// boxes of leaves, and a leaf's triangles only where the beam meets them. Beams go down in groups until each is alone. Rays that have no beam in common, or a
+// wide one, are tested at inner nodes too.
 //
 // Events: node_visit once per inner node, for all live lanes; volume_test per register of rays and box, and per register of children (or beams) where a beam is
 // tested, which counts for no lane but at packet = 1, where the beam is the ray: there a node is eight tests; leaf_visit where a ray meets the leaf's box.
 
 #include "accel/bvh/wide_kernel.h"
 
+#include "accel/bvh/beam_block_kernel.h"
 #include "accel/bvh/beam_group_kernel.h"
 #include "core/bounds/slab_kernel.h"
 #include "core/geometry/run_kernel.h"
@@ -36,26 +37,6 @@ template <class L, int kGroups, class Stats>
   return any;
 }
 
-template <Query Q, class L, int kGroups, class Stats>
-void test_block(const Beam& beam, float farthest, const TriangleBlock& block, const typename L::Mask* lanes, Packet<L, kGroups>& packet, Stats stats) noexcept {
-  const float* const column[3] = {block.vertex[0], block.vertex[1], block.vertex[2]};
-  const auto test = [&]<bool kExpectHits>(const RayPacket<L>& ray, std::int32_t t) noexcept {
-    return intersect_triangle<L, kExpectHits>(shear(ray, column, block.corner[0][t]), shear(ray, column, block.corner[1][t]),
-                                              shear(ray, column, block.corner[2][t]));
-  };
-  using Ray = const RayPacket<L>&;
-  using Hit = const HitPacket<L>&;
-  if (beam.axis >= 0) {
-    std::int32_t triangle[TriangleBlock::kTriangles];
-    const std::int32_t count = triangles_met<L>(beam, block, farthest, triangle);
-    test_primitives<Q, true>(packet, lanes, count, block.prim, ListedRefs{triangle}, stats,
-                             [&](Ray ray, Hit, std::int32_t t) noexcept { return test.template operator()<true>(ray, t); });
-  } else {
-    test_primitives<Q, false>(packet, lanes, block.count, block.prim, PositionRefs{0}, stats,
-                              [&](Ray ray, Hit, std::int32_t t) noexcept { return test.template operator()<false>(ray, t); });
-  }
-}
-
 /// The octant whose order suits the packet: that of its first live ray.
 template <class L, int kGroups>
 inline std::uint32_t leading_octant(const Packet<L, kGroups>& packet) noexcept {
@@ -70,63 +51,113 @@ inline std::uint32_t leading_octant(const Packet<L, kGroups>& packet) noexcept {
   return 0;
 }
 
-/// An entry of the stack: a child by its node and place, and the beams that meet it.
-struct Entry {
-  std::uint32_t child;
-  std::uint32_t beams;
-};
-
 template <Query Q, class L, int kGroups, class Stats>
 class Walk {
 public:
-  Walk(const WideBvhView& bvh, Entry* stack, BeamGroup<L, kGroups>& group, bool one_ray, Stats stats) noexcept
+  Walk(const WideBvhView& bvh, BeamEntry* stack, BeamGroup<L, kGroups>& group, bool one_ray, Stats stats) noexcept
       : bvh_(bvh), stack_(stack), group_(group), one_ray_(one_ray), stats_(stats) {}
 
-  /// Takes the beams `alive`, which have a slim beam in common unless there is only one, through the hierarchy.
-  void run(std::uint32_t alive) noexcept {
+  /// Takes the beams `alive`, which have a beam in common, through the hierarchy together as long as they meet the same nodes.
+  void run_group(std::uint32_t alive) noexcept {
     octant_ = leading_octant(group_.rays[__builtin_ctz(alive)]);
-    std::int32_t size = 0;
-    std::uint32_t index = 0;
-    while (true) {
-      size = open(index, alive, size);
-      while (true) {
-        if (size == 0) return;
-        const Entry entry = stack_[--size];
-        const WideNode& parent = bvh_.nodes[entry.child / kWideChildren];
-        const int place = static_cast<int>(entry.child % kWideChildren);
-        alive = still_wanted(parent, place, entry.beams);
-        if (alive == 0) continue;
-        const WideRef child = parent.child[place];
-        if (child.tag() == WideRef::Tag::inner) {
-          index = child.index();
-          break;
-        }
-        for (; alive != 0; alive &= alive - 1) test_leaf(parent, place, __builtin_ctz(alive));
+    if (alone(alive)) return run_one(0, __builtin_ctz(alive), 0);
+    std::int32_t size = open(0, alive, 0);
+    while (size > 0) {
+      const BeamEntry entry = stack_[--size];
+      const std::uint32_t beams = entry.beams & group_.reach(entry.first);
+      if (beams == 0) continue;
+      if (entry.child.tag() != WideRef::Tag::inner) {
+        for (std::uint32_t left = beams; left != 0; left &= left - 1) test_leaf(entry, __builtin_ctz(left));
+      } else if (alone(beams)) {
+        run_one(entry.child.index(), __builtin_ctz(beams), size);
+      } else {
+        size = open(entry.child.index(), beams, size);
       }
     }
+  }
+  /// Takes one beam through the subtree of a node, above what is on the stack.
+  void run_one(std::uint32_t index, int p) noexcept {
+    octant_ = leading_octant(group_.rays[p]);
+    run_one(index, p, 0);
   }
 
 private:
   static bool alone(std::uint32_t beams) noexcept { return (beams & (beams - 1)) == 0; }
 
-  /// Puts the children of a node that any of the beams meets on the stack, the nearest last. Returns the stack's new size.
-  std::int32_t open(std::uint32_t index, std::uint32_t alive, std::int32_t size) noexcept {
+  void run_one(std::uint32_t index, int p, const std::int32_t bottom) noexcept {
+    std::int32_t size = bottom;
+    while (true) {
+      const WideNode& node = bvh_.nodes[index];
+      const std::uint32_t met = children_of_one(node, p);
+      const int row = group_.beam[p].axis >= 0 ? group_.beam[p].first_row() : -1;
+      size = push(
+          index, met, size, [&](int place) noexcept { return row >= 0 ? group_.beam[p].sign * node.plane[row][place] : -kInfinity; },
+          [&](int) noexcept { return 1u << p; });
+      while (true) {
+        if (size == bottom) return;
+        const BeamEntry& entry = stack_[--size];
+        if (entry.first > group_.farthest[p]) continue;
+        if (entry.child.tag() == WideRef::Tag::inner) {
+          index = entry.child.index();
+          break;
+        }
+        test_leaf(entry, p);
+      }
+    }
+  }
+  /// Puts the children that are met on the stack, the nearest last. Returns the stack's new size.
+  template <class First, class Beams>
+  [[gnu::always_inline]] std::int32_t push(std::uint32_t index, std::uint32_t met, std::int32_t size, First first, Beams beams) noexcept {
     const WideNode& node = bvh_.nodes[index];
-    std::uint32_t beams[kWideChildren];
-    const std::uint32_t met = alone(alive) ? children_of_one(node, __builtin_ctz(alive), beams) : children_of_group(node, alive, beams);
+    const auto put = [&](int place) noexcept {
+      stack_[size] = {index * kWideChildren + static_cast<std::uint32_t>(place), node.child[place], first(place), beams(place)};
+    };
+    if (alone(met)) {
+      if (met != 0) put(__builtin_ctz(met));
+      return size + (met != 0 ? 1 : 0);
+    }
     const std::uint32_t order = node.order[octant_];
     for (int i = kWideChildren - 1; i >= 0; --i) {
-      const std::uint32_t place = order >> 4 * i & 7;
-      stack_[size] = {index * kWideChildren + place, beams[place]};
+      const int place = static_cast<int>(order >> 4 * i & 7);
+      put(place);
       size += static_cast<std::int32_t>(met >> place & 1);
     }
     return size;
   }
-  std::uint32_t children_of_one(const WideNode& node, int p, std::uint32_t* beams) noexcept {
+  /// Asks for what a child refers to: by the time its beams get there it may have come.
+  void prefetch(WideRef child) const noexcept {
+    if (child.tag() == WideRef::Tag::run) return;
+    const char* const at = child.tag() == WideRef::Tag::inner ? reinterpret_cast<const char*>(bvh_.nodes + child.index())
+                                                              : reinterpret_cast<const char*>(bvh_.blocks + child.index());
+    for (int line = 0; line < 4; ++line) __builtin_prefetch(at + 64 * line);
+  }
+  /// Puts the children that any of the beams meets on the stack.
+  std::int32_t open(std::uint32_t index, std::uint32_t alive, std::int32_t size) noexcept {
+    const WideNode& node = bvh_.nodes[index];
+    if constexpr (Stats::kCounting) {
+      for (std::uint32_t left = alive; left != 0; left &= left - 1) count_visit(group_.rays[__builtin_ctz(left)]);
+    }
+    count_beam_tests(kWideChildren);
+    std::uint32_t met = children_met<L>(group_.whole, node, group_.farthest_of_all());
+    std::uint32_t beams[kWideChildren] = {};
+    for (std::uint32_t left = met; left != 0; left &= left - 1) {
+      const int place = __builtin_ctz(left);
+      count_beam_tests(kMaxBeams);
+      beams[place] = beams_met(group_, node, place, alive);
+      if (beams[place] == 0)
+        met &= ~(1u << place);
+      else
+        prefetch(node.child[place]);
+    }
+    const float* const first = node.plane[group_.whole.first_row()];
+    return push(
+        index, met, size, [&](int place) noexcept { return group_.whole.sign * first[place]; }, [&](int place) noexcept { return beams[place]; });
+  }
+  /// The children of a node that a beam meets, as bits.
+  std::uint32_t children_of_one(const WideNode& node, int p) noexcept {
     const Packet<L, kGroups>& packet = group_.rays[p];
     const Beam& beam = group_.beam[p];
     count_visit(packet);
-    for (int c = 0; c < kWideChildren; ++c) beams[c] = 1u << p;
     std::uint32_t met = (1u << kWideChildren) - 1;
     if (beam.axis >= 0) {
       count_beam_tests(kWideChildren);
@@ -140,47 +171,27 @@ private:
     }
     return met;
   }
-  std::uint32_t children_of_group(const WideNode& node, std::uint32_t alive, std::uint32_t* beams) noexcept {
-    if constexpr (Stats::kCounting) {
-      for (std::uint32_t left = alive; left != 0; left &= left - 1) count_visit(group_.rays[__builtin_ctz(left)]);
-    }
-    count_beam_tests(kWideChildren);
-    std::uint32_t met = children_met<L>(group_.whole, node, group_.farthest_of_all());
-    for (std::uint32_t left = met; left != 0; left &= left - 1) {
-      const int place = __builtin_ctz(left);
-      count_beam_tests(kMaxBeams);
-      beams[place] = beams_met(group_, node, place, alive);
-      if (beams[place] == 0) met &= ~(1u << place);
-    }
-    return met;
-  }
-  /// The beams of an entry that its box may still give something: their hits may have come nearer since.
-  [[nodiscard]] std::uint32_t still_wanted(const WideNode& parent, int place, std::uint32_t beams) const noexcept {
-    using Float = typename L::Float;
-    if (alone(beams)) {
-      const int p = __builtin_ctz(beams);
-      const Beam& beam = group_.beam[p];
-      return beam.axis >= 0 && beam.sign * parent.plane[beam.first_row()][place] > group_.farthest[p] ? 0 : beams;
-    }
-    const Float first(group_.whole.sign * parent.plane[group_.whole.first_row()][place]);
-    std::uint32_t nearer = 0;
-    for (int p = 0; p < kMaxBeams; p += L::kWidth) nearer |= L::bits(first <= L::load(group_.farthest + p)) << p;
-    return nearer & beams;
-  }
-  void test_leaf(const WideNode& parent, int place, int p) noexcept {
+  void test_leaf(const BeamEntry& entry, int p) noexcept {
     Packet<L, kGroups>& packet = group_.rays[p];
+    const Beam& beam = group_.beam[p];
+    const bool is_block = entry.child.tag() == WideRef::Tag::block;
+    std::uint32_t triangles = 0;
+    if (is_block) {
+      const TriangleBlock& block = bvh_.blocks[entry.child.index()];
+      triangles = beam.axis >= 0 ? triangles_met<L>(beam, block, group_.farthest[p]) : (1u << block.count) - 1;
+      if (triangles == 0) return;
+    }
     typename L::Mask lanes[Packet<L, kGroups>::kCapacity];
-    if (!rays_meet(parent, place, packet, lanes, stats_)) return;
+    if (!rays_meet(bvh_.nodes[entry.box / kWideChildren], static_cast<int>(entry.box % kWideChildren), packet, lanes, stats_)) return;
     if constexpr (Stats::kCounting) {
       for (int g = 0; g < packet.group_count(); ++g) {
         if (L::any(lanes[g])) stats_.template count<Event::leaf_visit, L>(lanes[g]);
       }
     }
-    const WideRef child = parent.child[place];
-    if (child.tag() == WideRef::Tag::block)
-      test_block<Q>(group_.beam[p], group_.farthest[p], bvh_.blocks[child.index()], lanes, packet, stats_);
+    if (is_block)
+      test_triangles<Q>(bvh_.blocks[entry.child.index()], triangles, packet, stats_);
     else
-      test_run<Q, L, kGroups>(packet, lanes, bvh_.pools, bvh_.runs[child.index()], nullptr, stats_);
+      test_run<Q, L, kGroups>(packet, lanes, bvh_.pools, bvh_.runs[entry.child.index()], nullptr, stats_);
     group_.update_farthest(p);
   }
   void count_visit(const Packet<L, kGroups>& packet) noexcept {
@@ -198,28 +209,38 @@ private:
   }
 
   const WideBvhView& bvh_;
-  Entry* stack_;
+  BeamEntry* stack_;
   BeamGroup<L, kGroups>& group_;
   bool one_ray_;
   Stats stats_;
   std::uint32_t octant_ = 0;
 };
 
+/// Calls traverse.operator()<kGroups>() with as many registers as a beam's rays take.
+template <class L, class Traverse>
+void with_beam_groups(std::int32_t packet, Traverse&& traverse) noexcept {
+  if (packet <= L::kWidth)
+    traverse.template operator()<1>();
+  else
+    traverse.template operator()<kBeamRays / L::kWidth>();
+}
+
 template <Query Q, class L, class Stats>
 void trace(const WideBvhView& bvh, const TraceArgs& args, Stats stats) noexcept {
-  auto* const stack = reinterpret_cast<Entry*>(args.scratch);
+  auto* const stack = reinterpret_cast<BeamEntry*>(args.scratch);
   const auto at_most = [](std::int32_t count, std::int32_t most) noexcept { return count < most ? count : most; };
-  with_groups<L>(at_most(args.packet, kBeamRays), [&]<int kGroups>() noexcept {
+  const std::int32_t group_rays = args.packet < kBeamRays ? args.packet : bvh.group_rays;
+  with_beam_groups<L>(args.packet, [&]<int kGroups>() noexcept {
     BeamGroup<L, kGroups> group;
-    for (std::int32_t first = 0; first < args.rays.count; first += args.packet) {
-      const std::int32_t count = at_most(args.rays.count - first, args.packet);
+    for (std::int32_t first = 0; first < args.rays.count; first += group_rays) {
+      const std::int32_t count = at_most(args.rays.count - first, group_rays);
       group.count = 0;
       for (std::int32_t b = 0; b < count; b += kBeamRays) load_packet(args.rays, first + b, at_most(count - b, kBeamRays), group.rays[group.count++]);
       Walk<Q, L, kGroups, Stats> walk(bvh, stack, group, args.packet == 1, stats);
-      if (group.make_beams(bvh.box))
-        walk.run(group.alive);
+      if (group.make_beams(bvh.box, kSlimGroup<Q>))
+        walk.run_group(group.alive);
       else
-        for (std::uint32_t left = group.alive; left != 0; left &= left - 1) walk.run(left & -left);
+        for (std::uint32_t left = group.alive; left != 0; left &= left - 1) walk.run_one(0, __builtin_ctz(left));
       for (std::int32_t b = 0; b < count; b += kBeamRays) store_packet<Q>(args, first + b, at_most(count - b, kBeamRays), group.rays[b / kBeamRays]);
     }
   });

@@ -41,6 +41,9 @@ struct alignas(64) TriangleBlock {
 };
 static_assert(sizeof(TriangleBlock) == 256);
 
+inline constexpr int kBeamRays = 16;       ///< in a beam, at most
+inline constexpr int kMaxGroupRays = 256;  ///< in beams that go down together
+
 /// Node 0 is the root; its eight places may hold anything, also nothing.
 struct WideBvhView {
   const WideNode* nodes;
@@ -49,9 +52,17 @@ struct WideBvhView {
   PoolsView pools;           ///< those primitives in leaf order
   float box[6];              ///< of the scene: min x y z, max x y z
   std::int32_t stack_capacity;
+  std::int32_t group_rays;  ///< rays whose beams go down together, where packets hold a whole beam
 };
 
-/// Bytes of traversal stack: an entry is a child and the beams that meet it.
-[[nodiscard]] constexpr std::size_t wide_stack_bytes(std::int32_t capacity) noexcept { return static_cast<std::size_t>(capacity) * 2 * sizeof(std::uint32_t); }
+/// An entry of a beam traversal's stack: a child, and which beams meet it.
+struct BeamEntry {
+  std::uint32_t box;  ///< its parent times eight + its place there
+  WideRef child;
+  float first;          ///< the plane on which the beams enter its box, times their sign
+  std::uint32_t beams;  ///< as bits
+};
+
+[[nodiscard]] constexpr std::size_t beam_stack_bytes(std::int32_t capacity) noexcept { return static_cast<std::size_t>(capacity) * sizeof(BeamEntry); }
 
 }  // namespace raymeter
