@@ -73,6 +73,56 @@ TEST_P(RayCountsTest, AreTheSameWithEveryStructureAndOnEveryInstructionSet) {
   }
 }
 
+/// A structure, built once for all that stands before it.
+struct Built {
+  const Scene& scene;
+  const StructureEntry& entry;
+  ParamValues params = entry.resolve({});
+  std::unique_ptr<Structure> structure = entry.build(scene, params, 0);
+
+  /// The counts of a frame that the structure renders with slots such as "+zbuffer:mode=list+shadow_cache".
+  [[nodiscard]] RayCounts counts(const std::string& slots, int size, bool general = false) const {
+    const TechniqueSpec spec = parse_technique(std::string(entry.name) + slots);
+    const auto intersector = structure->intersector({best_isa(), 16, params});
+    const auto first_hit = spec.first_hit.entry->make(scene, {best_isa(), 16, 0, spec.first_hit.params}, *intersector);
+    const auto occlusion = spec.occlusion.entry->make(scene, {best_isa(), 16, 0, spec.occlusion.params}, *intersector);
+    RenderOptions options{{scene.camera, CameraConvention::spd, size, size}, {}};
+    options.occlusion = occlusion.get();
+    options.general = general;
+    return render(scene, *first_hit, *intersector, options).rays;
+  }
+};
+
+/// Two combinations that have nothing in common; on frames of the published size they are exactly as casting, which has the published counts.
+TEST_P(RayCountsTest, AreTheSameWithOtherSlots) {
+  const Scene scene = load_scene(GetParam().scene);
+  const Built bvh{scene, structure_entry("bvh")};
+  const RayCounts expected = bvh.counts("", 513);
+  EXPECT_EQ(bvh.counts("+zbuffer:mode=list+shadow_cache", 513, true), expected);
+  EXPECT_EQ((Built{scene, structure_entry("kdtree")}.counts("+zbuffer:mode=seed+shadow_cache:update=serial", 513)), expected);
+}
+
+/// All of them, on small scenes and frames.
+TEST(RayCountsOfSlots, AreTheSameWithEveryCombinationOfExactTechniques) {
+  for (const char* spec : {"spd:balls:2", "spd:gears:1", "spd:jacks:1", "spd:lattice:2", "spd:mount:3", "spd:rings:2", "spd:shells:2", "spd:teapot:3",
+                           "spd:tetra:3", "spd:tree:4"}) {
+    SCOPED_TRACE(spec);
+    const Scene scene = load_scene(spec);
+    const RayCounts expected = Built{scene, structure_entry("list")}.counts("", 40);
+    for (const StructureEntry& entry : structures()) {
+      const Built built{scene, entry};
+      for (const char* first_hit : {"", "+zbuffer:mode=list", "+zbuffer:mode=seed"}) {
+        for (const char* occlusion : {"", "+shadow_cache", "+shadow_cache:key=light", "+shadow_cache:key=light_tree", "+shadow_cache:update=serial"}) {
+          for (const bool general : {false, true}) {
+            const std::string slots = std::string(first_hit) + occlusion;
+            EXPECT_EQ(built.counts(slots, 40, general), expected) << entry.name << slots << (general ? ", general" : "");
+          }
+        }
+      }
+    }
+  }
+}
+
 constexpr CameraConvention kSpd = CameraConvention::spd;
 INSTANTIATE_TEST_SUITE_P(Spd, RayCountsTest,
                          testing::Values(Case{kSpd, "spd:balls:4", 263169, 175057, 0, 0, 954111, 285962},
