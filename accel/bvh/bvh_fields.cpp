@@ -16,6 +16,7 @@ bool by_best_insertion(const BvhParams& p) { return by_insertion(p) && p.inserti
 bool by_spatial_splits(const BvhParams& p) { return p.builder == "sbvh"; }
 bool by_clustering(const BvhParams& p) { return p.builder == "ploc"; }
 bool by_wide_nodes(const BvhParams& p) { return p.is_wide(); }
+bool in_packets_through_boxes(const BvhParams& p) { return p.traversal == "packet" && p.volume == "aabb"; }
 
 std::vector<Field> insertion_fields() {
   return {
@@ -30,6 +31,29 @@ std::vector<Field> insertion_fields() {
       where(by_insertion, Field{"inherited", &BvhParams::inherited, "goldsmith_salmon: a place's cost includes the growth of the nodes above it"}),
       where(by_insertion, Field{"leaf_boxes", &BvhParams::leaf_boxes,
                                 "goldsmith_salmon: primitives have boxes of their own; off: those under a node are tested once it is opened"}),
+  };
+}
+
+std::vector<Field> weak_test_fields() {
+  return {
+      where(in_packets_through_boxes,
+            Field{"box_test", &BvhParams::box_test, "padded misses nothing; the others may", 0, 0, {"padded", "unpadded", "fma"}, ParamUse::query}),
+      where(in_packets_through_boxes, Field{"triangle_test",
+                                            &BvhParams::triangle_test,
+                                            "woop_kahan is watertight and accurate; the others show what that costs",
+                                            0,
+                                            0,
+                                            {"woop_kahan", "woop", "moeller_trumbore", "pluecker"},
+                                            ParamUse::query}),
+      where([](const BvhParams& p) { return in_packets_through_boxes(p) && p.triangle_test == "moeller_trumbore"; },
+            Field{"precision", &BvhParams::precision, "moeller_trumbore: of its arithmetic", 0, 0, {"float", "double"}, ParamUse::query}),
+      where(in_packets_through_boxes, Field{"sphere_test",
+                                            &BvhParams::sphere_test,
+                                            "robust is accurate near, far and huge; the others show what that costs",
+                                            0,
+                                            0,
+                                            {"robust", "naive", "haines"},
+                                            ParamUse::query}),
   };
 }
 
@@ -69,6 +93,7 @@ std::vector<Field> BvhParams::fields() {
             Field{"width", &BvhParams::width, "most children of a node, by opening nodes and grouping children; 0: as built", 0, 64}),
   });
   add(volume_fields<BvhParams>());
+  add(weak_test_fields());
   return fields;
 }
 

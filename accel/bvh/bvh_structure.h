@@ -5,6 +5,7 @@
 #include "accel/bvh/heap_kernel.h"
 #include "accel/bvh/packet_kernel.h"
 #include "accel/bvh/tree_quality.h"
+#include "accel/bvh/weak_bvh.h"
 #include "accel/kernel_intersector.h"
 #include "accel/volume_links.h"
 #include "core/base/threads.h"
@@ -69,11 +70,15 @@ public:
 
   [[nodiscard]] const BuildStats& stats() const noexcept override { return stats_; }
   [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
-    const bool heap = bind<BvhParams>(options.params).traversal == "heap";
+    const auto params = bind<BvhParams>(options.params);
+    const bool heap = params.traversal == "heap";
     const auto& kernels = heap ? kernels_for<BvhHeap<Layout>::template Kernel, BvhView<Layout>>(options.isa)
                                : kernels_for<BvhPacket<Layout>::template Kernel, BvhView<Layout>>(options.isa);
     const std::size_t scratch = heap ? bvh_heap_bytes(heap_capacity_) : bvh_stack_bytes(stack_capacity_, options.packet);
     const BvhView<Layout> view{links_.view(pools_), stack_capacity_, heap_capacity_};
+    if constexpr (std::same_as<V, AabbVolume>) {
+      if (has_weak_tests(params)) return weak_intersector(view, params, options, scratch);
+    }
     return std::make_unique<KernelIntersector<BvhView<Layout>>>(view, kernels, options.packet, scratch);
   }
 

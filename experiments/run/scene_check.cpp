@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "accel/weak_settings.h"
 #include "core/base/threads.h"
 #include "experiments/config/hash.h"
 #include "experiments/record/tables.h"
@@ -61,13 +62,14 @@ void SceneRun::check_ray_sets(std::span<Live* const> group) {
   }
 }
 
-/// `list`, where that is affordable; else the first structure of the scene's cells that is another, and no peer.
+/// `list`, where that is affordable; else the first structure of the scene's cells that is another, and answers as we do.
 std::unique_ptr<Intersector> SceneRun::reference_for(const Experiment& cell, double rays) {
   constexpr int kPacket = 16;
   if (rays * scene_->prim_count() > context_.config.verify.max_tests) {
     for (const Live& live : live_) {
       const Experiment& other = *live.cell;
-      if (other.structure->name != "list" && !other.structure->peer) return structures_.at(build_text(other))->intersector({cell.isa, kPacket, other.params});
+      if (other.structure->name != "list" && !answers_for_itself(*other.structure, other.params))
+        return structures_.at(build_text(other))->intersector({cell.isa, kPacket, other.params});
     }
   }
   return list_->intersector({cell.isa, kPacket, {}});
@@ -93,7 +95,7 @@ void SceneRun::check_ray_set(Live& live, const Verification& verification) {
   if (made != nullptr) record.demand = {time.prepare_ms, made->demand()};
   record.choice = live.intersector->choice(answers_.kind == Answers::Kind::any ? Query::any : Query::closest);
   if (cell.structure->peer) record.counters.reset();
-  const Verdicts verdicts = cell.structure->peer ? verification.judge_peer(answers_) : verification.judge(answers_);
+  const Verdicts verdicts = answers_for_itself(*cell.structure, cell.params) ? verification.list_errors(answers_) : verification.judge(answers_);
   record.hit_hash = hex_text(answers_.hash());
   record.hit_mismatch = verdicts.mismatches;
   record.hits = answers_.hit_count();

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "accel/registry.h"
+#include "accel/weak_settings.h"
 #include "core/base/error.h"
 #include "core/base/threads.h"
 #include "core/scene/scene_needs.h"
@@ -89,7 +90,8 @@ void SceneRun::skip_what_cannot_serve() {
     if (cell.structure->why_not != nullptr) {
       if (const std::string why = cell.structure->why_not(*scene_, cell.isa); !why.empty()) end(cell, Status::skipped, why);
     }
-    if (cell.structure->peer && cell.rays.image() && unfinished(cell)) end(cell, Status::skipped, "a peer's images differ in their last bits");
+    if (answers_for_itself(*cell.structure, cell.params) && cell.rays.image() && unfinished(cell))
+      end(cell, Status::skipped, "images of a peer or of weak tests differ in their last bits");
   }
 }
 

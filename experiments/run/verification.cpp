@@ -51,7 +51,7 @@ Verdicts Verification::judge(const Answers& answers) const {
   return verdicts;
 }
 
-Verdicts Verification::judge_peer(const Answers& answers) const {
+Verdicts Verification::list_errors(const Answers& answers) const {
   Verdicts verdicts;
   Accuracy& accuracy = verdicts.accuracy.emplace();
   if (answers.kind == Answers::Kind::closest && oracle_ != nullptr) accuracy = ask_oracle(rays_.rays, answers);

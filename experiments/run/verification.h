@@ -27,9 +27,10 @@ public:
   /// `oracle` may be null: no exact check.
   Verification(const Oracle* oracle, const RaySet& rays, Intersector& reference, const VerifyOptions& options, std::uint64_t seed);
   [[nodiscard]] Verdicts judge(const Answers& answers) const;
-  /// What a peer from outside answers: it is right whatever it says, but what it says is listed, for all rays. Misses and hits that the reference, which is
-  /// true, does not have are false; of hits on other primitives the oracle tells which are wrong, and t's errors, in a sample where all are too many.
-  [[nodiscard]] Verdicts judge_peer(const Answers& answers) const;
+  /// What a peer from outside or a weak setting answers: it is right whatever it says, but what it says is listed, for all rays. Misses and hits that the
+  /// reference, which is true, does not have are false; of hits on other primitives the oracle tells which are wrong, and t's errors, in a sample where all are
+  /// too many.
+  [[nodiscard]] Verdicts list_errors(const Answers& answers) const;
 
 private:
   [[nodiscard]] Accuracy ask_oracle(const RayBatch& rays, const Answers& answers) const;

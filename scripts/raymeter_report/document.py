@@ -20,6 +20,7 @@ from .records import Run
 from .scaling import scaling_table
 from .shadow_cache import shadow_cache_table
 from .steps import steps_table
+from .work_precision import price_table
 from .table import Table, in_order
 from .tables import (
     WRONG, accuracy_table, best_table, builds_table, counters_table, left_out_table, problem_table, results_table, simd_table, technique_table,
@@ -61,6 +62,7 @@ class Report:
     frames: Table
     depth_control: Table
     shadow_cache: Table
+    price: Table
     accuracy: Table
     plots: list[Plot]
     pictures: list[Picture]
@@ -103,6 +105,7 @@ def make_report(runs: Sequence[Run], out: Path) -> Report:
         frames=frames_table(cells),
         depth_control=depth_control_table(cells),
         shadow_cache=shadow_cache_table(cells),
+        price=price_table(cells),
         accuracy=accuracy_table(cells),
         plots=write_plots(runs, cells, out / "plots"),
         pictures=[picture for run in runs for picture in pictures_of(run)],

@@ -14,6 +14,7 @@ from .figure_best import best_figure
 from .figure_dots import Dot, Panel, dot_figure
 from .figure_error import error_figure
 from .figure_scaling import scaling_figure
+from .figure_precision import precision_figure, price_figure
 from .figure_scatter import Point, run_order_figure, scatter_figure
 from .figure_peer import peer_duels, peer_figure
 from .figure_memory import budget_lines, memory_figure
@@ -24,6 +25,7 @@ from .scaling import growths
 from .records import Record, Run, whole
 from .steps import steps
 from .style import Look, inline_svg, looks, neutral_svg, save_figure, styled, svg_of
+from .work_precision import prices, work_precision
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,8 @@ def drafts(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Draft]:
         steps_draft(runs, cells, look_of),
         memory_draft(cells, look_of),
         error_draft(cells, look_of),
+        precision_draft(cells),
+        price_draft(cells),
         run_order_draft(runs, cells, look_of),
     ]
     return [draft for draft in result if draft is not None]
@@ -285,6 +289,33 @@ def error_draft(cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None
         f"above 0 are faster at the same image." + lines
     )
     return Draft("speed_vs_error", "Speed against error", caption, error_figure(compared, look_of))
+
+
+def precision_draft(cells: Sequence[Cell]) -> Draft | None:
+    """Speed against wrong answers; None where no answer was wrong."""
+    panels = work_precision(cells)
+    if not panels:
+        return None
+    points = [point for of_panel in panels.values() for point in of_panel]
+    where = describe_setting(main_setting([point.cell for point in points]))
+    caption = (
+        f"What wrong answers buy, at {where}: rays per second against the share of rays with a false miss, a false hit or a wrong primitive, by exact arithmetic. "
+        "Up and left is better; what stands at 0 had none, so that its rate is below 3 in the number of rays at 95 % confidence. The star is the setting that most cells share, the default where one knob is turned at a time; a line is one "
+        "knob, the grey step the front: nothing below or right of it is worth its error. Bars are 95 % confidence intervals of the median."
+    )
+    return Draft("speed_vs_wrong_answers", "Speed against wrong answers", caption, precision_figure(panels))
+
+
+def price_draft(cells: Sequence[Cell]) -> Draft | None:
+    """The robust tests against the fastest weak ones; None where no weak ones were timed."""
+    found = prices(cells)
+    if not found:
+        return None
+    caption = (
+        "The price of right answers: time of the robust tests relative to the fastest of the weak ones on the same rays of the same run. At 1 robustness is free, at "
+        "1.1 it costs 10 %. Bars are 95 % confidence intervals of the median ratio; which tests were fastest, and how often they were wrong, stands in the table."
+    )
+    return Draft("price_of_robustness", "The price of robustness", caption, price_figure(found, scene_sizes([price.robust for price in found])))
 
 
 def run_order_draft(runs: Sequence[Run], cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:

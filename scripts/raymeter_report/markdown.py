@@ -29,7 +29,7 @@ def markdown(report: Report, out: Path) -> str:
     parts += block(report.counters, "## Counters") + block(report.builds, "## Builds") + block(report.scaling, "## Scaling") + block(report.steps, "## Price list")
     parts += block(report.break_even, "## Break-even")
     parts += block(report.volumes, "## Bounding volumes")
-    parts += block(report.frames, "## Frames") + block(report.depth_control, "## Adaptive depth control") + block(report.shadow_cache, "## Shadow cache")
+    parts += block(report.frames, "## Frames") + block(report.depth_control, "## Adaptive depth control") + block(report.shadow_cache, "## Shadow cache") + block(report.price, "## Price of robustness")
     parts += block(report.accuracy, "## Accuracy")
     if report.pictures:
         parts.append("## Images and heat maps")

@@ -22,7 +22,8 @@ TEST(UsedParams, AreAllThatIsResolved) {
   EXPECT_EQ(params_text(parse_technique("bvh:builder=ploc,volume=sphere").params),
             "volume=sphere,builder=ploc,traversal=packet,max_leaf_size=8,node_cost=1,ploc_radius=14,reinsertion=0,width=0,tight=false");
   EXPECT_EQ(params_text(parse_technique("bvh:builder=goldsmith_salmon,insertion_order=file").params),
-            "volume=aabb,builder=goldsmith_salmon,traversal=packet,insertion_order=file,inherited=true,leaf_boxes=true,reinsertion=0,width=0");
+            "volume=aabb,builder=goldsmith_salmon,traversal=packet,insertion_order=file,inherited=true,leaf_boxes=true,reinsertion=0,width=0,box_test=padded,"
+            "triangle_test=woop_kahan,sphere_test=robust");
 }
 
 TEST(UsedParams, OthersAreRefusedUnlessTheyAreAtTheirDefaults) {

@@ -1,0 +1,14 @@
+#include "accel/bvh/weak_leaf_kernel.h"
+
+#include "accel/bvh/packet_traversal_kernel.h"
+
+namespace raymeter {
+
+template struct BvhPacket<WeakBoxLayout<BoxTest::padded>>::Kernel<kKernelIsa, NoStats>;
+template struct BvhPacket<WeakBoxLayout<BoxTest::padded>>::Kernel<kKernelIsa, CountStats>;
+template struct BvhPacket<WeakBoxLayout<BoxTest::unpadded>>::Kernel<kKernelIsa, NoStats>;
+template struct BvhPacket<WeakBoxLayout<BoxTest::unpadded>>::Kernel<kKernelIsa, CountStats>;
+template struct BvhPacket<WeakBoxLayout<BoxTest::fma>>::Kernel<kKernelIsa, NoStats>;
+template struct BvhPacket<WeakBoxLayout<BoxTest::fma>>::Kernel<kKernelIsa, CountStats>;
+
+}  // namespace raymeter

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <algorithm>
+
+#include "accel/technique.h"
+
+namespace raymeter {
+
+/// The parameters whose defaults are the robust tests; any other value gives up right answers for speed (core/geometry/weak_tests.h).
+inline constexpr std::string_view kTestParams[] = {"box_test", "triangle_test", "sphere_test"};
+
+/// Whether a setting's answers are listed rather than held to ours, bit for bit: those of a peer from outside, or of weak tests.
+[[nodiscard]] inline bool answers_for_itself(const StructureEntry& entry, const ParamValues& values) {
+  const std::vector<ParamInfo> infos = entry.params();
+  const auto is_weak = [&](const auto& value) {
+    const auto of_test = [&](const ParamInfo& info) { return info.key == value.first && info.default_value != value.second; };
+    return std::ranges::count(kTestParams, value.first) != 0 && std::ranges::any_of(infos, of_test);
+  };
+  return entry.peer || std::ranges::any_of(values, is_weak);
+}
+
+}  // namespace raymeter

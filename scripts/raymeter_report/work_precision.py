@@ -1,0 +1,144 @@
+"""Speed against error of settings that may give wrong answers, and what the robust tests cost beside the weak ones."""
+
+from collections import Counter, defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from .cells import Cell, at_setting, finite, main_setting, parse_params, slots_of
+from .peer import Ratio, ratio_of
+from .records import Value
+from .table import SETTING_TITLES, Column, Field, Table, number_field, setting_field
+
+ROBUST = {"box_test": "padded", "triangle_test": "woop_kahan", "sphere_test": "robust"}
+DEFAULT = "usual setting"
+
+Setting = dict[tuple[str, str], str]  # (what stands in a slot, its parameter) -> value
+
+
+@dataclass(frozen=True)
+class Point:
+    """A cell by its error and speed; `knob` is what was turned, `label` to which value."""
+
+    cell: Cell
+    knob: str
+    label: str
+    error: float  # wrong answers a ray
+    speed: float  # Mrays/s
+    slow: float | None
+    fast: float | None
+
+
+def error_rate(cell: Cell) -> float | None:
+    """Misses, false hits and wrong primitives, per ray that was checked; None where nothing was checked."""
+    checked = finite(cell.accuracy.get("rays_checked"))
+    wrong = [finite(cell.accuracy.get(name)) for name in ("false_miss", "false_hit", "wrong_prim")]
+    return sum(value or 0.0 for value in wrong) / checked if checked else None
+
+
+def is_weak(cell: Cell) -> bool:
+    """Whether one of its tests of boxes or primitives promises nothing."""
+    params = parse_params(cell.technique[1])
+    return any(params.get(key, robust) != robust for key, robust in ROBUST.items())
+
+
+def setting_of(cell: Cell) -> Setting:
+    return {(name, key): value for name, params in slots_of(cell) for key, value in parse_params(params).items()}
+
+
+def usual(settings: Sequence[Setting]) -> Setting:
+    """The value that most cells have of each parameter that most cells have."""
+    values: dict[tuple[str, str], Counter[str]] = defaultdict(Counter)
+    for setting in settings:
+        for key, value in setting.items():
+            values[key][value] += 1
+    return {key: count.most_common(1)[0][0] for key, count in values.items() if 2 * count.total() > len(settings)}
+
+
+def turned(setting: Setting, base: Setting) -> tuple[str, str]:
+    """The knob that tells a setting from the usual one, and its value; all of them where several do."""
+    changed = [(key, value) for key, value in setting.items() if base.get(key) != value]
+    if not changed:
+        return "", DEFAULT
+    slot, key = changed[0][0]
+    knob = key if (slot, key) in base else slot
+    return knob, ", ".join(f"{key[1]}={value}" for key, value in changed)
+
+
+def work_precision(cells: Sequence[Cell]) -> dict[tuple[str, str], list[Point]]:
+    """By scene and ray kind, at the main setting; scenes in which nothing errs are left out where others do, and nothing is left where none does."""
+    timed = [cell for cell in cells if not cell.frame and not cell.is_peer and cell.number("mrays_per_s") is not None]
+    timed = [cell for cell in at_setting(timed, main_setting(timed)) if error_rate(cell) is not None]
+    if not any(error_rate(cell) for cell in timed):
+        return {}
+    base = usual([setting_of(cell) for cell in timed])
+    panels: dict[tuple[str, str], list[Point]] = defaultdict(list)
+    for cell in timed:
+        knob, label = turned(setting_of(cell), base)
+        ends = [1e3 / time if time else None for time in (cell.number("ci_hi"), cell.number("ci_lo"))]
+        panels[cell.scene, cell.rays].append(Point(cell, knob, label, error_rate(cell) or 0.0, cell.number("mrays_per_s") or 0.0, *ends))
+    return panels
+
+
+def front(points: Sequence[Point]) -> list[Point]:
+    """Those that no other point beats in error and speed, by rising error."""
+    best: list[Point] = []
+    for point in sorted(points, key=lambda p: (p.error, -p.speed)):
+        if not best or point.speed > best[-1].speed:
+            best.append(point)
+    return best
+
+
+@dataclass(frozen=True)
+class Price:
+    """The robust tests beside the fastest weak ones on the same rays."""
+
+    robust: Cell
+    weak: Cell
+    ratio: Ratio  # time of the robust ones by that of the weak ones, over rounds
+
+
+def prices(cells: Sequence[Cell]) -> list[Price]:
+    groups: dict[tuple[Value, ...], list[Cell]] = defaultdict(list)
+    for cell in cells:
+        if cell.state == "ok" and not cell.frame and not cell.is_peer and cell.number("median_ns_per_ray"):
+            build = tuple(sorted((key, value) for key, value in setting_of(cell).items() if key[1] not in ROBUST and key[1] != "precision"))
+            groups[(cell.run, cell.scene, cell.rays, *cell.setting, build)].append(cell)  # type: ignore[arg-type]
+    found = []
+    for group in groups.values():
+        robust, weak = ([cell for cell in group if is_weak(cell) == wanted] for wanted in (False, True))
+        if len(robust) != 1 or not weak:
+            continue
+        fastest = min(weak, key=lambda cell: cell.number("median_ns_per_ray") or 0.0)
+        ratio = ratio_of(fastest, robust[0])
+        if ratio:
+            found.append(Price(robust[0], fastest, ratio))
+    return found
+
+
+def tests_of(cell: Cell) -> str:
+    params = parse_params(cell.technique[1])
+    return ", ".join(f"{key}={params[key]}" for key in (*ROBUST, "precision") if params.get(key, ROBUST.get(key)) != ROBUST.get(key))
+
+
+def price_table(cells: Sequence[Cell]) -> Table:
+    """A row for each scene, ray kind and setting."""
+    found = prices(cells)
+    columns = [
+        Column("scene", number=False), Column("rays", number=False), Column("ISA", number=False), Column(SETTING_TITLES["packet"]),
+        Column("fastest weak tests", number=False), Column("robust", "ns"), Column("weak", "ns"), Column("price", "%"), Column("from", "%"), Column("to", "%"),
+        Column("wrong answers, weak", "per million"), Column("wrong answers, robust", "per million"),
+    ]
+    rows = []
+    for price in found:
+        robust, weak = price.robust, price.weak
+        percent = [None if value is None else 100.0 * (value - 1.0) for value in (price.ratio.value, price.ratio.low, price.ratio.high)]
+        rows.append([
+            Field(robust.scene), Field(robust.rays), setting_field(robust.summary["isa"]), setting_field(robust.summary["packet"]), Field(tests_of(weak)),
+            number_field(robust.number("median_ns_per_ray")), number_field(weak.number("median_ns_per_ray")), *map(number_field, percent),
+            number_field(error_rate(weak), factor=1e6), number_field(error_rate(robust), factor=1e6),
+        ])
+    caption = (
+        "What right answers cost: time of the robust tests over that of the fastest weak ones, the median over rounds of one run with its 95 % interval, and how "
+        "many answers of each were wrong. A negative price: the robust tests were faster than all weak ones."
+    )
+    return Table("price", caption if rows else "", columns, rows, 2).without_empty()

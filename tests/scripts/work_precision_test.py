@@ -1,0 +1,72 @@
+#!/usr/bin/python3
+"""Tests of what the report makes of settings that may be wrong: points, front, price."""
+
+import sys
+import unittest
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import synthetic_run  # noqa: F401: puts the report on the path
+from raymeter_report import cells, figure_precision, figures, style, work_precision
+
+USUAL = "volume=aabb,box_test=padded,triangle_test=woop_kahan,sphere_test=robust"
+
+
+def cell(params: str, times: list[float], wrong: float = 0.0, scene: str = "s", rays: str = "vertices", first_hit: str = "cast") -> cells.Cell:
+    """Timed once a round; the middle of `times` is the median."""
+    middle = sorted(times)[len(times) // 2]
+    summary = dict(scene=scene, rays=rays, phase="closest", structure="bvh", params=params, first_hit=first_hit, occlusion="none", isa="avx2", packet=16.0, num_prims=9.0)
+    summary |= dict(threads=1.0, max_depth=5.0, min_weight=0.0, status="ok", median_ns_per_ray=middle, ci_lo=min(times), ci_hi=max(times), mrays_per_s=1e3 / middle)
+    samples = {float(i): dict(ns_per_ray=time) for i, time in enumerate(times)}
+    accuracy = dict(rays_checked=1e6, false_miss=wrong, false_hit=0.0, wrong_prim=0.0)
+    return cells.Cell("run", summary, {}, {}, accuracy, samples=samples, rays=rays)
+
+
+def some_cells() -> list[cells.Cell]:
+    return [
+        cell(USUAL, [50.0, 51.0, 52.0]),
+        cell(USUAL.replace("padded", "unpadded"), [48.0, 49.0, 51.0], 300.0),
+        cell(USUAL.replace("padded", "fma"), [60.0, 61.0, 62.0], 900.0),
+        cell(USUAL.replace("woop_kahan", "moeller_trumbore,precision=float"), [45.0, 46.0, 47.0], 130000.0),
+    ]
+
+
+class WorkPrecision(unittest.TestCase):
+    def test_points_are_told_by_what_was_turned(self) -> None:
+        points = work_precision.work_precision(some_cells())["s", "vertices"]
+        self.assertEqual([point.knob for point in points], ["", "box_test", "box_test", "triangle_test"])
+        self.assertEqual(points[1].label, "box_test=unpadded")
+        self.assertEqual([point.error for point in points], [0.0, 3e-4, 9e-4, 0.13])
+
+    def test_a_slot_that_most_cells_lack_is_a_knob(self) -> None:
+        found = [*some_cells(), cell(USUAL, [30.0], 9.0, first_hit="zbuffer:mode=final")]
+        self.assertEqual([(p.knob, p.label) for p in work_precision.work_precision(found)["s", "vertices"]][-1], ("zbuffer", "mode=final"))
+
+    def test_front_holds_what_nothing_beats(self) -> None:
+        points = work_precision.work_precision(some_cells())["s", "vertices"]
+        self.assertEqual([point.error for point in work_precision.front(points)], [0.0, 3e-4, 0.13])
+
+    def test_nothing_is_drawn_where_nothing_errs(self) -> None:
+        self.assertEqual(work_precision.work_precision([cell(USUAL, [50.0])]), {})
+        self.assertIsNone(figures.precision_draft([cell(USUAL, [50.0])]))
+        self.assertIsNone(figures.price_draft([cell(USUAL, [50.0])]))
+
+    def test_price_is_against_the_fastest_weak_tests_round_by_round(self) -> None:
+        price, = work_precision.prices(some_cells())
+        self.assertEqual(work_precision.tests_of(price.weak), "triangle_test=moeller_trumbore, precision=float")
+        self.assertAlmostEqual(price.ratio.value, 51 / 46)
+        row, = work_precision.price_table(some_cells()).rows
+        self.assertIn("triangle_test=moeller_trumbore", row[4].text)
+
+    def test_figures_hold_a_panel_for_each_scene_and_ray_kind(self) -> None:
+        panels = work_precision.work_precision([*some_cells(), cell(USUAL, [9.0], rays="random")])
+        with style.styled():
+            figure = figure_precision.precision_figure(panels)
+        self.assertEqual(sorted(axes.get_title("left") for axes in figure.axes), ["s, random", "s, vertices"])
+        self.assertIn("(< 3e", figure.axes[0].get_xticklabels()[0].get_text().replace("3\u2009", "3"))
+
+
+if __name__ == "__main__":
+    unittest.main()
