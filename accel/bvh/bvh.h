@@ -21,7 +21,7 @@ struct BvhParams : SahParams, GoldsmithSalmonParams, SbvhParams, PlocParams, Tre
 
   [[nodiscard]] static std::vector<Param<BvhParams>> fields();
   /// Whether the traversal needs the hierarchy of wide_tree.h.
-  [[nodiscard]] bool is_wide() const noexcept { return traversal == "beam" || traversal == "stream"; }
+  [[nodiscard]] bool is_wide() const noexcept { return traversal == "beam" || traversal == "stream" || traversal == "auto"; }
 };
 
 /// As resolve_params; throws Error also where parameters contradict each other.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "accel/bvh/auto_intersector.h"
 #include "accel/bvh/bvh.h"
 #include "accel/bvh/collapse.h"
 #include "accel/bvh/stream_kernel.h"
@@ -28,17 +29,24 @@ public:
   }
   [[nodiscard]] const BuildStats& stats() const noexcept override { return tree_.stats; }
   [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
-    const auto params = bind<BvhParams>(options.params);
-    if (params.traversal == "stream")
-      return std::make_unique<KernelIntersector<WideBvhView>>(view_, kernels_for<StreamKernel, WideBvhView>(options.isa), options.packet,
-                                                              stream_bytes(view_.stack_capacity));
-    WideBvhView view = view_;
-    view.group_rays = params.group;
-    return std::make_unique<KernelIntersector<WideBvhView>>(view, kernels_for<WideBvhKernel, WideBvhView>(options.isa), options.packet,
-                                                            beam_stack_bytes(view_.stack_capacity));
+    const std::string traversal = bind<BvhParams>(options.params).traversal;
+    if (traversal == "beam") return beams(options);
+    if (traversal == "stream") return streams(options);
+    return std::make_unique<AutoIntersector>(beams(options), streams(options), options.packet);
   }
 
 private:
+  [[nodiscard]] std::unique_ptr<Intersector> beams(const QueryOptions& options) const {
+    WideBvhView view = view_;
+    view.group_rays = bind<BvhParams>(options.params).group;
+    return std::make_unique<KernelIntersector<WideBvhView>>(view, kernels_for<WideBvhKernel, WideBvhView>(options.isa), options.packet,
+                                                            beam_stack_bytes(view_.stack_capacity));
+  }
+  [[nodiscard]] std::unique_ptr<Intersector> streams(const QueryOptions& options) const {
+    return std::make_unique<KernelIntersector<WideBvhView>>(view_, kernels_for<StreamKernel, WideBvhView>(options.isa), options.packet,
+                                                            stream_bytes(view_.stack_capacity));
+  }
+
   WideTree tree_;
   Pools pools_;
   WideBvhView view_;

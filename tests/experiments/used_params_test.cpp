@@ -66,7 +66,7 @@ TEST(UsedParams, PacketsAndTheHeapShareABuildAndBeamsAndStreamsAnother) {
   ASSERT_EQ(all.size(), 4u);
   EXPECT_EQ(build_text(all[0]), "bvh:volume=aabb,builder=binned_sah,traversal=packet|heap,bins=32,max_leaf_size=8,node_cost=1,reinsertion=0,width=0");
   EXPECT_EQ(build_text(all[1]), build_text(all[0]));
-  EXPECT_EQ(build_text(all[2]), "bvh:volume=aabb,builder=binned_sah,traversal=beam|stream,bins=32,max_leaf_size=8,node_cost=1,reinsertion=0");
+  EXPECT_EQ(build_text(all[2]), "bvh:volume=aabb,builder=binned_sah,traversal=beam|stream|auto,bins=32,max_leaf_size=8,node_cost=1,reinsertion=0");
   EXPECT_EQ(build_text(all[3]), build_text(all[2]));
 }
 
