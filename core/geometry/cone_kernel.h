@@ -2,7 +2,8 @@
 
 // Ray against an open cone or cylinder (NFF's `c`: no caps), seen from both sides. The quadratic is set up where the ray is nearest to the axis: whatever the
 // distance of the eye and however slender the cone, everything there has the size of its radius. Where that is far beyond an end, as for rays nearly along the
-// axis, it is set up at that end. The smaller root comes from the product of the roots.
+// axis, it is set up at that end; where the ray is steeper than the side, at the apex, about which both roots lie and nothing cancels, even on the axis
+// itself. The smaller root comes from the product of the roots.
 //
 // Error: the reference point is off by 3 roundings of |P - org| + size, its parts across the axis by 3 of the size, the direction's by 2 of |dir|; over the way
 // to the hit, which is inside the cone, the coefficients' errors add up to 25 roundings of the size, t adds 2 of |P - org|: together within kSurfaceError.
@@ -48,18 +49,22 @@ inline SurfaceHit<L> intersect_cone(const RayPacket<L>& ray, const HitPacket<L>&
   };
   const auto in_cone = [&](Float y) noexcept -> Mask { return (y >= zero) & (y <= one); };
 
+  const Float narrowing = taper * climb;
+  const Float across2 = dot(v, v);
   // From the closest approach to the middle on to that to the axis, or to the end: a ray that meets the cone but passes the axis beyond -1..2 climbs steeply.
   const Float near_middle = -dot(from_middle, ray.dir) * ray.inv_length2;
   const Float middle_height = height_at(near_middle);
-  const Float to_axis = -dot(w, v) / dot(v, v);
+  const Float to_axis = -dot(w, v) / across2;
   const Float axis_height = L::mul_add(to_axis, climb, middle_height);
-  const Float to_end = (L::min(L::max(axis_height, zero), one) - middle_height) / climb;
-  const Float reference = near_middle + L::select((axis_height >= -one) & (axis_height <= Float(2.0f)), to_axis, to_end);
+  const auto near_cone = [&](Float y) noexcept -> Mask { return (y >= -one) & (y <= Float(2.0f)); };
+  const Float apex_height = -radius / taper;
+  const Mask about_apex = (Float(4.0f) * across2 < narrowing * narrowing) & near_cone(apex_height);
+  const Float to_height = (L::select(about_apex, apex_height, L::min(L::max(axis_height, zero), one)) - middle_height) / climb;
+  const Float reference = near_middle + L::select(~about_apex & near_cone(axis_height), to_axis, to_height);
 
   const Float height = height_at(reference);
   const Float radius_here = L::mul_add(taper, height, radius);
-  const Float narrowing = taper * climb;
-  const Float quadratic = L::neg_mul_add(narrowing, narrowing, dot(v, v));
+  const Float quadratic = L::neg_mul_add(narrowing, narrowing, across2);
   const Float linear = L::neg_mul_add(narrowing, radius_here, dot(w, v));
   const Float off_axis = L::sqrt(dot(w, w));
   const Float constant = (off_axis - radius_here) * (off_axis + radius_here);

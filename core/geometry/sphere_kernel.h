@@ -1,8 +1,8 @@
 #pragma once
 
 // Ray against sphere, without cancellation near, far and huge: Haines, Guenther, Akenine-Moeller 2019 (Ray Tracing Gems, ch. 7). The discriminant comes from
-// the vector that is perpendicular to the ray at its closest approach; the nearer root is c / q, c in the factored form (|f| - r)(|f| + r), good for huge
-// radii.
+// the vector that is perpendicular to the ray at its closest approach; the nearer root, where it would be a difference of nearly equal numbers, is c / q, c in
+// the factored form (|f| - r)(|f| + r), good for huge radii.
 //
 // Error: an error along the ray of the closest approach (10 roundings of |f| at most) changes the perpendicular only in second order. What remains across the
 // ray is the rounding of f, of the perpendicular and of r^2: 3 roundings of |f| + r. Along the ray, t adds 10 for the far root, and the product of the roots
@@ -32,11 +32,13 @@ inline SurfaceHit<L> intersect_sphere(const RayPacket<L>& ray, const SphereView&
   if (L::none(hit.meets)) return hit;
 
   const Float half_chord = L::sqrt(L::max(chord2, zero) * ray.inv_length2);
-  // The root of larger magnitude is a plain sum; the other follows from the product of the roots, c / dir^2.
-  const Float far_root = closest + L::select(closest < zero, -half_chord, half_chord);
+  // The root of larger magnitude is a plain sum; the other is a difference, or follows from the product of the roots, c / dir^2.
+  const Float away = L::select(closest < zero, -half_chord, half_chord);
+  const Float far_root = closest + away;
   const Float distance = L::sqrt(L::mul_add(f[2], f[2], L::mul_add(f[1], f[1], f[0] * f[0])));
   const Float product = (distance - radius) * (distance + radius) * ray.inv_length2;
-  const Float near_root = L::select(far_root == zero, zero, product / far_root);
+  const Float from_product = L::select(far_root == zero, zero, product / far_root);
+  const Float near_root = L::select(L::abs(closest) > half_chord + half_chord, closest - away, from_product);
   const Float t_enter = L::min(near_root, far_root);
   const Float t_exit = L::max(near_root, far_root);
   const Float box_radius = radius * Float(1 + 2 * kOwnBoxPadding);

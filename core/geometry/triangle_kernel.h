@@ -5,9 +5,10 @@
 // The vertices in ray space are a function of ray and vertex alone: triangles that share an edge see the same numbers and decide alike.
 //
 // Error, u = kUnitRoundoff, A = vertex - org, S the shear: a vertex is seen across the ray within u (2 |A_p| + 4 |S A_z|) per axis p (one less with FMA); that
-// is below kSeenVertexError |A|, the boundary band. With the weights w that are decided on, Q = sum w V is a point of the triangle, and the ray passes Q within
-// the weighted mean of these. The terms of t have one sign but for vertices behind the origin: t is within 10 u sum w |z'| + 3 u (spread of z') of Q's depth.
-// With sum w |A_p| <= |P - org|_p + extent / 2, P is outside the box by at most 16 u |P - org|_p + 16 u extent: kPrimitiveError.
+// is below kSeenVertexError |A|, the boundary band. With the weights w of these, Q = sum w V is a point of the triangle, and the ray passes Q within their
+// weighted mean. t starts from vertex a, so that what weights are off, 8 u, counts for differences of depth alone: with s the spread of z', t is within
+// 5 u |t| + 12 u s of Q's depth, of which 3 u (|t| + s / 2) are the vertices', u (|t| + s) and u |t| the sums'. With sum w |A_p| <= |P - org|_p + extent / 2,
+// P is outside the box by at most 11 u |P - org|_p + 15 u extent: less than kPrimitiveError.
 // Signs are exact while the residues of products are not denormal: for triangles that are seen at 2^-38 or more. Below that, edges may leak.
 
 #include "core/ray/ray_packet.h"
@@ -58,11 +59,12 @@ template <class L, bool kExpectHits = false>
   hit.meets = ((least >= zero) | (most <= zero)) & (det != zero);
   if (!kExpectHits && L::none(hit.meets)) return hit;
   const Float inv_det = Float(1.0f) / det;
-  // Exactly 1 at a vertex, so that t is that vertex's in all triangles that share it, and the tie goes to the smallest id.
-  const auto share = [&](Float weight) noexcept -> Float { return L::select(weight == det, Float(1.0f), weight * inv_det); };
-  hit.u = share(weight_b);
-  hit.v = share(weight_c);
-  hit.t = L::mul_add(hit.v, c.z, L::mul_add(hit.u, b.z, share(weight_a) * a.z));
+  // At a vertex t is that vertex's in all triangles that share it, so that the tie goes to the smallest id. Where all three are equally deep, t is that depth.
+  const auto at_b = weight_b == det, at_c = weight_c == det;
+  hit.u = L::select(at_b, Float(1.0f), weight_b * inv_det);
+  hit.v = L::select(at_c, Float(1.0f), weight_c * inv_det);
+  const Float inside = L::mul_add(hit.v, c.z - a.z, L::mul_add(hit.u, b.z - a.z, a.z));
+  hit.t = L::select(at_b, b.z, L::select(at_c, c.z, inside));
   return hit;
 }
 

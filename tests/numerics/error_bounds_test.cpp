@@ -66,6 +66,8 @@ Scene one_shape(PrimKind kind, Random& random) {
   return scene;
 }
 
+glm::dvec3 axis_of(const ConePool& cones, std::size_t i) { return {cones.axis[0][i], cones.axis[1][i], cones.axis[2][i]}; }
+
 /// Rays past points of the shape: from 1e-4 to 1e6 of its size away, within a few roundings of the point or right at it, along its surface or in planes of
 /// the axes.
 RayBatch rays_at(const Scene& scene, Random& random) {
@@ -79,6 +81,7 @@ RayBatch rays_at(const Scene& scene, Random& random) {
       const glm::dvec3 along = test::point_of(scene, ref, random) - at;
       if (glm::length(along) > 0) dir = glm::normalize(along) + magnitude(random, -8, 0) * random.direction();
     }
+    if (k % 7 == 0 && ref.kind() == PrimKind::cone) dir = axis_of(scene.pools().cones, 0) + magnitude(random, -9, -3) * random.direction();
     if (k % 3 == 0) dir[static_cast<glm::length_t>(random.below(3))] *= random.below(2) == 0 ? 0.0 : magnitude(random, -9, -3);
     if (k % 9 == 0) dir[static_cast<glm::length_t>(random.below(3))] = 0;
     if (dir == glm::dvec3(0)) dir.x = 1;
