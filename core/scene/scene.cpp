@@ -1,10 +1,14 @@
 #include "core/scene/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <optional>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 
 #include "core/bounds/aabb.h"
 
@@ -12,18 +16,49 @@ namespace raymeter {
 
 namespace {
 
-bool finite(const glm::dvec3& p) noexcept {
-  // As float, since a double may be finite and its float not.
-  return std::isfinite(static_cast<float>(p.x)) && std::isfinite(static_cast<float>(p.y)) && std::isfinite(static_cast<float>(p.z));
-}
-
-bool valid_radius(double r) noexcept { return r >= 0 && std::isfinite(static_cast<float>(r)); }
+bool in_range(double x) noexcept { return std::abs(x) <= Scene::kLargestCoordinate; }
+bool in_range(const glm::dvec3& p) noexcept { return in_range(p.x) && in_range(p.y) && in_range(p.z); }
+bool valid_radius(double r) noexcept { return r >= 0 && in_range(r); }
 
 void push(FloatColumns3& columns, const glm::dvec3& p) {
   for (std::size_t a = 0; a < 3; ++a) columns[a].push_back(static_cast<float>(p[static_cast<glm::length_t>(a)]));
 }
 
 glm::dvec3 rounded(const glm::dvec3& p) noexcept { return glm::dvec3(glm::vec3(p)); }
+
+/// a - b, where that is exact.
+std::optional<glm::dvec3> exact_difference(const glm::dvec3& a, const glm::dvec3& b) noexcept {
+  const glm::dvec3 d = a - b, part = d - a;
+  const glm::dvec3 lost = (a - (d - part)) - (b + part);  // TwoSum
+  return lost == glm::dvec3(0.0) ? std::optional(d) : std::nullopt;
+}
+
+/// Whether the rounded vertices lie on a line, exactly. Where doubles cannot tell, they do not.
+bool collinear(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) noexcept {
+  const auto ab = exact_difference(rounded(b), rounded(a)), ac = exact_difference(rounded(c), rounded(a));
+  if (!ab || !ac) return false;
+  for (glm::length_t i = 0; i < 3; ++i) {
+    const glm::length_t j = (i + 1) % 3;
+    const double p = (*ab)[i] * (*ac)[j], q = (*ab)[j] * (*ac)[i];
+    if (p != q || std::fma((*ab)[i], (*ac)[j], -p) != std::fma((*ab)[j], (*ac)[i], -q)) return false;
+  }
+  return true;
+}
+
+/// Of vertices on a line, the middle one moved to an end: with two vertices in one place kernels see no area, whatever they round.
+std::array<glm::dvec3, 3> segment(std::array<glm::dvec3, 3> vertex) noexcept {
+  const auto between = [](const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r) {
+    const glm::dvec3 low = glm::min(p, r), high = glm::max(p, r);
+    return glm::all(glm::lessThanEqual(low, q)) && glm::all(glm::lessThanEqual(q, high));
+  };
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::dvec3 &before = vertex[(k + 2) % 3], &after = vertex[(k + 1) % 3];
+    if (!between(before, vertex[k], after)) continue;
+    vertex[k] = after;
+    break;
+  }
+  return vertex;
+}
 
 void reserve3(FloatColumns3& columns, std::size_t count) {
   for (Column<float>& column : columns) column.reserve(count);
@@ -77,7 +112,7 @@ void Scene::drop() {
 void Scene::add_prim(PrimKind kind, std::size_t index) { prims_.push_back(prim_ref(kind, index)); }
 
 void Scene::add_sphere(glm::dvec3 center, double radius) {
-  if (!finite(center) || !valid_radius(radius)) return drop();
+  if (!in_range(center) || !valid_radius(radius)) return drop();
   SpherePool& pool = pools_.spheres;
   pool.prim.push_back(prim_id_count());
   push(pool.center, center);
@@ -86,12 +121,11 @@ void Scene::add_sphere(glm::dvec3 center, double radius) {
 }
 
 void Scene::add_triangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-  if (!finite(a) || !finite(b) || !finite(c)) return drop();
+  if (!in_range(a) || !in_range(b) || !in_range(c)) return drop();
   TrianglePool& pool = pools_.triangles;
   pool.prim.push_back(prim_id_count());
-  push(pool.vertex[0], a);
-  push(pool.vertex[1], b);
-  push(pool.vertex[2], c);
+  const std::array<glm::dvec3, 3> vertex = collinear(a, b, c) ? segment({a, b, c}) : std::array{a, b, c};
+  for (std::size_t k = 0; k < 3; ++k) push(pool.vertex[k], vertex[k]);
   if (!pool.normal_index.empty()) pool.normal_index.push_back(-1);
   add_prim(PrimKind::triangle, pool.size() - 1);
 }
@@ -99,7 +133,7 @@ void Scene::add_triangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dv
 void Scene::add_triangle(const std::array<glm::dvec3, 3>& vertex, const std::array<glm::dvec3, 3>& normal) {
   const std::int32_t dropped_before = dropped_;
   add_triangle(vertex[0], vertex[1], vertex[2]);
-  const bool usable = std::all_of(normal.begin(), normal.end(), [](const glm::dvec3& n) { return finite(n) && glm::dot(n, n) > 0; });
+  const bool usable = std::all_of(normal.begin(), normal.end(), [](const glm::dvec3& n) { return in_range(n) && glm::dot(n, n) > 0; });
   if (dropped_ != dropped_before || !usable) return;
   TrianglePool& pool = pools_.triangles;
   pool.normal_index.resize(pool.size(), -1);
@@ -108,7 +142,7 @@ void Scene::add_triangle(const std::array<glm::dvec3, 3>& vertex, const std::arr
 }
 
 void Scene::add_polygon(std::span<const glm::dvec3> vertices) {
-  if (vertices.size() < 3 || !std::all_of(vertices.begin(), vertices.end(), finite)) return drop();
+  if (vertices.size() < 3 || !std::all_of(vertices.begin(), vertices.end(), [](const glm::dvec3& v) { return in_range(v); })) return drop();
   PolygonPool& pool = pools_.polygons;
   if (pool.first_vertex.empty()) pool.first_vertex.push_back(0);
   const glm::dvec3 origin = rounded(vertices[0]);
@@ -132,7 +166,7 @@ void Scene::add_polygon(std::span<const glm::dvec3> vertices) {
 
 void Scene::add_cone(const glm::dvec3& base, double base_radius, const glm::dvec3& apex, double apex_radius) {
   const glm::dvec3 axis = rounded(apex) - rounded(base);
-  if (!finite(base) || !finite(apex) || !finite(axis) || !valid_radius(base_radius) || !valid_radius(apex_radius)) return drop();
+  if (!in_range(base) || !in_range(apex) || !valid_radius(base_radius) || !valid_radius(apex_radius)) return drop();
   ConePool& pool = pools_.cones;
   pool.prim.push_back(prim_id_count());
   push(pool.base, base);

@@ -54,7 +54,11 @@ public:
   std::vector<Light> lights;
   Camera camera;
 
-  // ---- Making one. A primitive with a NaN or infinite coordinate or a negative or NaN radius keeps its id but is dropped and counted.
+  /// Coordinates and radii are to be at most this, so that products of them stay in range.
+  static constexpr double kLargestCoordinate = 0x1p60;
+
+  // ---- Making one. A primitive with a coordinate that is NaN or too large or a negative, NaN or too large radius keeps its id but is dropped and counted. A
+  // triangle whose vertices lie on a line cannot be hit; it is kept as a segment, with two vertices in one place.
   void add_sphere(glm::dvec3 center, double radius);
   void add_triangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
   /// With vertex normals, for shading only; they need not be unit vectors.
