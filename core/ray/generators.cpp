@@ -9,6 +9,7 @@
 
 #include "core/base/random.h"
 #include "core/bounds/aabb.h"
+#include "core/ray/generators_mesh.h"
 #include "core/ray/pixel_order.h"
 #include "core/scene/surface.h"
 #include "core/trace/trace.h"
@@ -18,7 +19,8 @@ namespace raymeter {
 namespace {
 
 using glm::dvec3;
-constexpr std::array<std::string_view, kRayKinds.size()> kNames{"primary", "shadow", "reflection", "ambient_occlusion", "diffuse", "random"};
+constexpr std::array<std::string_view, kRayKinds.size()> kNames{"primary", "shadow", "reflection", "ambient_occlusion", "diffuse", "random", "vertices",
+                                                                "edges",   "faces",  "invalid"};
 
 RaySet resized(std::size_t size, Query query) {
   RaySet set;
@@ -88,6 +90,25 @@ RaySet primary_rays(const CameraModel& model, int threads) {
   set.model = model;
   eye_rays(model, pixels, set.rays, threads);
   set.pixel = std::move(pixels);
+  return set;
+}
+
+/// Every eighth ray of a set made invalid, in one way or another.
+RaySet with_invalid(RaySet set, std::uint64_t seed) {
+  constexpr std::size_t kEvery = 8;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
+  set.expected.prim.resize(set.rays.size(), ExpectedHits::kUnknown);
+  for (std::size_t i = kEvery - 1; i < set.rays.size(); i += kEvery) {
+    Ray ray = set.rays[i];
+    float* const field[8] = {ray.org, ray.org + 1, ray.org + 2, ray.dir, ray.dir + 1, ray.dir + 2, &ray.t_min, &ray.t_max};
+    switch (const std::uint64_t how = stream(seed, RayKind::invalid, set.pixel[i]).bits() % 16) {
+      case 14: std::fill(ray.dir, ray.dir + 3, 0.0f); break;
+      case 15: ray.t_max = -1; break;
+      default: *field[how % 8] = how < 8 ? kNan : kInf;  // of the eight with infinity six are invalid: the two above take the place of the others
+    }
+    set.rays.set(i, ray);
+    set.expected.prim[i] = ExpectedHits::kNothing;
+  }
   return set;
 }
 
@@ -175,8 +196,10 @@ void eye_rays(const CameraModel& model, const Column<std::int32_t>& pixels, RayB
 
 RaySet make_rays(const Scene& scene, RayKind kind, const CameraModel& model, std::uint64_t seed, const Intersector& tracer, int threads) {
   if (kind == RayKind::random) return random_rays(scene, model.pixel_count(), seed);
+  if (kind == RayKind::vertices || kind == RayKind::edges || kind == RayKind::faces) return mesh_rays(scene, kind, model.pixel_count(), seed, tracer, threads);
   RaySet primary = primary_rays(model, threads);
   if (kind == RayKind::primary) return primary;
+  if (kind == RayKind::invalid) return with_invalid(std::move(primary), seed);
   const std::vector<PrimaryHit> hits = primary_hits(scene, primary, tracer, threads);
   const auto bounce = [&](const PrimaryHit& hit, int sample) noexcept {
     RandomStream random = stream(seed, kind, hit.pixel, sample);

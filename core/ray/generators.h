@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/base/column.h"
+#include "core/ray/expected_hits.h"
 #include "core/ray/ray_batch.h"
 #include "core/ray/shadow_origins.h"
 #include "core/ray/views.h"
@@ -15,8 +16,9 @@
 
 namespace raymeter {
 
-/// Sets of rays to measure with. All but random start from the eye rays of a camera model or from what those hit; a point that was hit is recomputed in double
-/// (scene/surface.h), so that it does not depend on the tracer. Random numbers belong to (seed, kind, pixel, sample): sets depend on neither threads nor order.
+/// Sets of rays to measure with. All but random ones and those at meshes start from the eye rays of a camera model or from what those hit; a point that was hit
+/// is recomputed in double (scene/surface.h), so that it does not depend on the tracer. Random numbers belong to (seed, kind, pixel, sample): sets depend on
+/// neither threads nor order.
 enum class RayKind : std::uint8_t {
   primary,     ///< eye rays, in the order of PixelOrder
   shadow,      ///< from each primary hit to each light that the surface faces on the eye's side, all hits for light 0, then for light 1...; the light is at
@@ -25,10 +27,17 @@ enum class RayKind : std::uint8_t {
   ambient_occlusion,  ///< kAmbientOcclusionSamples per primary hit, cosine-weighted about the geometric normal on the eye's side, no longer than
                       ///< kAmbientOcclusionReach of the diagonal of the scene's box
   diffuse,            ///< one per primary hit, cosine-weighted as above, unbounded
-  random,  ///< as many as pixels: uniform over all directed lines that meet the scene's box (the measure invariant under motions, for which the chance
-           ///< to meet a convex body inside is the ratio of the areas: what the surface area heuristic assumes), from where they enter it
+  random,    ///< as many as pixels: uniform over all directed lines that meet the scene's box (the measure invariant under motions, for which the chance
+             ///< to meet a convex body inside is the ratio of the areas: what the surface area heuristic assumes), from where they enter it
+  vertices,  ///< as many as pixels: at vertices of triangles and polygons, picked at random, from inside where the surface is closed; see
+             ///< generators_mesh.h
+  edges,     ///< likewise, at points of their edges
+  faces,     ///< likewise, at points of the triangles between neighbouring vertices
+  invalid,   ///< the eye rays, every eighth of which is no ray: NaN or infinity in one of its numbers, no direction, or an empty interval
 };
-inline constexpr std::array kRayKinds{RayKind::primary, RayKind::shadow, RayKind::reflection, RayKind::ambient_occlusion, RayKind::diffuse, RayKind::random};
+inline constexpr std::array kRayKinds{RayKind::primary, RayKind::shadow, RayKind::reflection, RayKind::ambient_occlusion,
+                                      RayKind::diffuse, RayKind::random, RayKind::vertices,   RayKind::edges,
+                                      RayKind::faces,   RayKind::invalid};
 
 [[nodiscard]] std::string_view name(RayKind kind) noexcept;
 [[nodiscard]] std::optional<RayKind> ray_kind_from_name(std::string_view name) noexcept;
@@ -42,6 +51,7 @@ struct RaySet {
   Column<std::int32_t> pixel;    ///< y * width + x of the eye ray that each ray comes from; of random rays their number
   ShadowOrigins origins = {};    ///< of shadow rays
   CameraModel model = {};        ///< of the eye rays
+  ExpectedHits expected = {};    ///< where it is known
 };
 
 /// The eye rays through the given pixels, y * width + x. `rays` is resized.

@@ -61,8 +61,8 @@ void add_accuracy_rows(const Source& source, const Experiment& cell, const RowPh
   Row row(8);
   if (check->accuracy) {
     const AccuracyRecord& a = *check->accuracy;
-    row = {number(a.rays_checked), number(a.false_miss), number(a.false_hit), number(a.wrong_prim), "",
-           number(a.t_ulp_p50),    number(a.t_ulp_p99),  number(a.t_ulp_max)};
+    row = {number(a.rays_checked), number(a.false_miss), number(a.false_hit), number(a.wrong_prim),
+           number(a.self_hits),    number(a.t_ulp_p50),  number(a.t_ulp_p99), number(a.t_ulp_max)};
   }
   if (check->frame) {
     const ImageError& error = check->frame->error;

@@ -34,6 +34,7 @@ Json to_json(const AccuracyRecord& record) {
           {"false_miss", record.false_miss},
           {"false_hit", record.false_hit},
           {"wrong_prim", record.wrong_prim},
+          {"self_hits", optional_json(record.self_hits)},
           {"t_ulp_p50", optional_json(record.t_ulp_p50)},
           {"t_ulp_p99", optional_json(record.t_ulp_p99)},
           {"t_ulp_max", optional_json(record.t_ulp_max)}};
@@ -44,6 +45,7 @@ AccuracyRecord accuracy_from_json(const nlohmann::json& json) {
           json.at("false_miss"),
           json.at("false_hit"),
           json.at("wrong_prim"),
+          optional_value<std::int64_t>(json.value("self_hits", nlohmann::json())),
           optional_value<double>(json.at("t_ulp_p50")),
           optional_value<double>(json.at("t_ulp_p99")),
           optional_value<double>(json.at("t_ulp_max"))};

@@ -46,6 +46,7 @@ struct AccuracyRecord {
   std::int64_t false_miss = 0;
   std::int64_t false_hit = 0;
   std::int64_t wrong_prim = 0;
+  std::optional<std::int64_t> self_hits;
   std::optional<double> t_ulp_p50, t_ulp_p99, t_ulp_max;
 };
 

@@ -20,8 +20,8 @@ void FrameVerification::ask_oracle(const Oracle& oracle, std::uint64_t seed) {
     if (set.rays.size() == 0) continue;
     Answers answers;
     run_pass({tracer_}, set, 0, answers);
-    const Accuracy one = set.query == Query::any ? verify_any(oracle, set.rays, answers.blocker, max_tests, seed, 0)
-                                                 : verify_closest(oracle, set.rays, answers.hits, max_tests, seed, 0);
+    const Accuracy one = set.query == Query::any ? verify_any(oracle, set.rays, answers.blocker, {max_tests, seed})
+                                                 : verify_closest(oracle, set.rays, answers.hits, {max_tests, seed});
     if (kind == RayKind::primary) {
       accuracy_ = one;  // with its errors of t
       continue;

@@ -5,7 +5,7 @@
 namespace raymeter {
 
 AccuracyRecord to_record(const Accuracy& accuracy, bool distances) {
-  AccuracyRecord record{accuracy.rays_checked, accuracy.false_miss, accuracy.false_hit, accuracy.wrong_prim, {}, {}, {}};
+  AccuracyRecord record{accuracy.rays_checked, accuracy.false_miss, accuracy.false_hit, accuracy.wrong_prim, accuracy.self_hits, {}, {}, {}};
   if (distances) {
     record.t_ulp_p50 = accuracy.t_ulp_p50;
     record.t_ulp_p99 = accuracy.t_ulp_p99;
@@ -17,12 +17,13 @@ AccuracyRecord to_record(const Accuracy& accuracy, bool distances) {
 Verification::Verification(const Oracle* oracle, const RaySet& rays, Intersector& reference, const VerifyOptions& options, std::uint64_t seed)
     : oracle_(oracle), rays_(rays), options_(options), seed_(seed) {
   run_pass({reference}, rays, 0, reference_);
-  if (oracle_ != nullptr) accuracy_ = ask_oracle(rays.rays, reference_);
+  if (oracle_ != nullptr) accuracy_ = find_accuracy(rays.rays, reference_, rays.expected);
 }
 
-Accuracy Verification::ask_oracle(const RayBatch& rays, const Answers& answers) const {
-  return answers.kind == Answers::Kind::closest ? verify_closest(*oracle_, rays, answers.hits, options_.max_tests, seed_, 0)
-                                                : verify_any(*oracle_, rays, answers.blocker, options_.max_tests, seed_, 0);
+Accuracy Verification::find_accuracy(const RayBatch& rays, const Answers& answers, const ExpectedHits& expected) const {
+  const OracleBudget budget{options_.max_tests, seed_};
+  return answers.kind == Answers::Kind::closest ? verify_closest(*oracle_, rays, answers.hits, budget, expected)
+                                                : verify_any(*oracle_, rays, answers.blocker, budget, expected);
 }
 
 std::int64_t Verification::count_wrong_blockers(const Answers& answers) const {
@@ -34,7 +35,7 @@ std::int64_t Verification::count_wrong_blockers(const Answers& answers) const {
     others.push_back(rays_.rays[i]);
     their.blocker.push_back(answers.blocker[i]);
   }
-  return others.size() == 0 ? 0 : ask_oracle(others, their).mismatches();
+  return others.size() == 0 ? 0 : find_accuracy(others, their, {}).mismatches();
 }
 
 Verdicts Verification::judge(const Answers& answers) const {
@@ -42,7 +43,7 @@ Verdicts Verification::judge(const Answers& answers) const {
   const std::int64_t different = count_differences(answers, reference_);
   verdicts.mismatches = different;
   if (oracle_ != nullptr) {
-    verdicts.accuracy = different == 0 ? *accuracy_ : ask_oracle(rays_.rays, answers);
+    verdicts.accuracy = different == 0 ? *accuracy_ : find_accuracy(rays_.rays, answers, rays_.expected);
     if (different == 0 && answers.kind == Answers::Kind::any) verdicts.accuracy->false_hit += count_wrong_blockers(answers);
     verdicts.mismatches = std::max(different, verdicts.accuracy->mismatches());
     verdicts.right = verdicts.accuracy->ok(options_.hit_mismatch_max);
@@ -54,13 +55,14 @@ Verdicts Verification::judge(const Answers& answers) const {
 Verdicts Verification::list_errors(const Answers& answers) const {
   Verdicts verdicts;
   Accuracy& accuracy = verdicts.accuracy.emplace();
-  if (answers.kind == Answers::Kind::closest && oracle_ != nullptr) accuracy = ask_oracle(rays_.rays, answers);
+  if (answers.kind == Answers::Kind::closest && oracle_ != nullptr) accuracy = find_accuracy(rays_.rays, answers, rays_.expected);
   const bool closest = answers.kind == Answers::Kind::closest;
   const Column<std::int32_t>& theirs = closest ? answers.hits.prim : answers.blocker;
   const Column<std::int32_t>& ours = closest ? reference_.hits.prim : reference_.blocker;
   accuracy.rays_checked = static_cast<std::int64_t>(theirs.size());
-  accuracy.false_miss = accuracy.false_hit = 0;
-  for (std::size_t i = 0; i < theirs.size(); ++i) {
+  const bool known = oracle_ != nullptr && closest && !rays_.expected.prim.empty();
+  if (!known) accuracy.false_miss = accuracy.false_hit = 0;
+  for (std::size_t i = 0; !known && i < theirs.size(); ++i) {
     accuracy.false_miss += theirs[i] < 0 && ours[i] >= 0;
     accuracy.false_hit += theirs[i] >= 0 && ours[i] < 0;
   }

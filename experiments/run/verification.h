@@ -20,7 +20,8 @@ struct Verdicts {
   std::optional<Accuracy> accuracy;  ///< where the oracle is asked
 };
 
-/// Holds the cells of one ray set and one instruction set against a reference technique, whose answers the exact oracle has judged. Techniques agree bit for
+/// Holds the cells of one ray set and one instruction set against a reference technique, whose answers what is expected of the rays and the exact oracle
+/// have judged. Techniques agree bit for
 /// bit, so that a cell that equals the reference is as right as it; one that differs is judged itself. Blockers may differ: those that do are judged too.
 class Verification {
 public:
@@ -33,7 +34,7 @@ public:
   [[nodiscard]] Verdicts list_errors(const Answers& answers) const;
 
 private:
-  [[nodiscard]] Accuracy ask_oracle(const RayBatch& rays, const Answers& answers) const;
+  [[nodiscard]] Accuracy find_accuracy(const RayBatch& rays, const Answers& answers, const ExpectedHits& expected) const;
   [[nodiscard]] std::int64_t count_wrong_blockers(const Answers& answers) const;
 
   const Oracle* oracle_;

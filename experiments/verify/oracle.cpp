@@ -26,6 +26,13 @@ bool valid(const Ray& ray) noexcept {
   return finite && moves && ray.t_min <= ray.t_max;
 }
 
+/// A t that is no float is no hit.
+Ray bounded(Ray ray) noexcept {
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  ray.t_max = std::isnan(ray.t_max) ? ray.t_max : std::min(ray.t_max, kLargest);
+  return ray;
+}
+
 std::vector<std::array<float, 3>> vertices_of(const Pools& pools, PrimRef ref) {
   if (ref.kind() == PrimKind::polygon) return polygon_at(pools, ref.index).vertex;
   const TriangleShape shape = triangle_at(pools, ref.index);
@@ -80,12 +87,12 @@ void bound(const Pools& pools, PrimRef ref, double (&center)[3], double& radius)
 
 double delta(const Point& org, const Point& p, double radius) noexcept { return double{kSurfaceError} * (length(minus(p, org)) + 2 * radius); }
 
-double ulp(double exact) noexcept {
-  const float nearest = std::abs(static_cast<float>(exact));
-  return double{std::nextafterf(nearest, std::numeric_limits<float>::infinity())} - double{nearest};
-}
-
 }  // namespace
+
+double ulps(float t, double exact) noexcept {
+  const float nearest = std::abs(static_cast<float>(exact));
+  return std::abs(double{t} - exact) / (double{std::nextafterf(nearest, std::numeric_limits<float>::infinity())} - double{nearest});
+}
 
 struct Oracle::Near {
   struct Hit {
@@ -182,7 +189,21 @@ bool Oracle::hit_is_due(const Ray& ray, const Near& near, double t_end) const {
   return false;
 }
 
-Check Oracle::closest(const Ray& ray, float t, std::int32_t prim) const {
+std::optional<Oracle::Exact> Oracle::nearest(const Ray& given) const {
+  const Ray ray = bounded(given);
+  if (!valid(ray)) return std::nullopt;
+  const std::vector<Near::Hit> hits = near(ray, double{ray.t_max}).hits;
+  if (hits.empty()) return std::nullopt;
+  const double t = std::ranges::min(hits, {}, &Near::Hit::t).t;
+  std::int32_t prim = std::numeric_limits<std::int32_t>::max();
+  for (const Near::Hit& hit : hits) {
+    if (hit.t <= t + 0x1p-36 * std::abs(t)) prim = std::min(prim, hit.prim);
+  }
+  return Exact{prim, t};
+}
+
+Check Oracle::closest(const Ray& given, float t, std::int32_t prim) const {
+  const Ray ray = bounded(given);
   const bool hit = prim >= 0;
   if (!valid(ray)) return {hit ? Verdict::false_hit : Verdict::correct};
   if (!hit) return {hit_is_due(ray, near(ray, double{ray.t_max}), double{ray.t_max}) ? Verdict::false_miss : Verdict::correct};
@@ -195,13 +216,14 @@ Check Oracle::closest(const Ray& ray, float t, std::int32_t prim) const {
   Check check;
   const TrueHits own = hits_of(scene_.pools(), ref, ray);
   for (std::size_t k = 0; k < static_cast<std::size_t>(own.count); ++k) {
-    const double error = std::abs(double{t} - own.t[k]) / ulp(own.t[k]);
+    const double error = ulps(t, own.t[k]);
     if (check.t_ulp < 0 || error < check.t_ulp) check.t_ulp = error;
   }
   return check;
 }
 
-Check Oracle::any(const Ray& ray, std::int32_t blocker) const {
+Check Oracle::any(const Ray& given, std::int32_t blocker) const {
+  const Ray ray = bounded(given);
   if (blocker < 0) return closest(ray, std::numeric_limits<float>::infinity(), -1);
   if (!valid(ray) || blocker >= scene_.prim_id_count() || scene_.prim(blocker).dropped()) return {Verdict::false_hit};
   const PrimRef ref = scene_.prim(blocker);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/ray/ray_batch.h"
@@ -15,6 +16,9 @@ struct Check {
   Verdict verdict = Verdict::correct;
   double t_ulp = -1;  ///< |t - exact t of that primitive| in units of the exact t's last float place; < 0: not known
 };
+
+/// |t - exact| in units of exact's last float place.
+[[nodiscard]] double ulps(float t, double exact) noexcept;
 
 /// The exact truth of a scene, by brute force over the primitives in doubles with proven error bounds, and in rationals where those cannot decide.
 /// It shares no code with the tracer. A hit is correct where
@@ -31,6 +35,12 @@ public:
   [[nodiscard]] Check closest(const Ray& ray, float t, std::int32_t prim) const;
   /// Checks a blocker, -1 for none: it must be a primitive that the ray hits in its interval.
   [[nodiscard]] Check any(const Ray& ray, std::int32_t blocker) const;
+  /// The exact nearest hit, whatever kernels may err; of hits that are equally near to 2^-36 that of the smallest id.
+  struct Exact {
+    std::int32_t prim;
+    double t;
+  };
+  [[nodiscard]] std::optional<Exact> nearest(const Ray& ray) const;
   [[nodiscard]] std::size_t prim_count() const noexcept { return bounds_.size(); }
 
 private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include <tbb/parallel_for.h>
@@ -34,14 +35,47 @@ double percentile(std::vector<double>& values, double share) {
   return *at;
 }
 
+/// What is expected of a ray says of a hit of `prim`; `prim` < 0: of a miss.
+Verdict expected_verdict(std::int32_t expected, std::int32_t prim, bool closest) noexcept {
+  if (expected == ExpectedHits::kUnknown) return Verdict::correct;
+  if (prim < 0) return expected == ExpectedHits::kNothing ? Verdict::correct : Verdict::false_miss;
+  if (expected == ExpectedHits::kNothing) return Verdict::false_hit;
+  return closest && expected >= 0 && expected != prim ? Verdict::wrong_prim : Verdict::correct;
+}
+
+/// Where the oracle has not looked, or found no fault, what is expected decides.
+std::vector<Check> merged(std::vector<Check> checks, std::span<const std::size_t> asked, const ExpectedHits& expected, const Column<std::int32_t>& prims,
+                          const Column<float>* t) {
+  if (expected.prim.empty()) return checks;
+  std::vector<Check> all(prims.size());
+  for (std::size_t k = 0; k < asked.size(); ++k) all[asked[k]] = checks[k];
+  for (std::size_t i = 0; i < prims.size(); ++i) {
+    const Verdict verdict = expected_verdict(expected.prim[i], prims[i], t != nullptr);
+    if (verdict != Verdict::correct) all[i] = {verdict};
+    if (t != nullptr && !expected.t.empty() && prims[i] >= 0 && !std::isnan(expected.t[i])) all[i].t_ulp = ulps((*t)[i], expected.t[i]);
+  }
+  return all;
+}
+
+std::int64_t count_self_hits(const ExpectedHits& expected, const Column<std::int32_t>& prims) {
+  std::int64_t count = 0;
+  for (std::size_t i = 0; i < expected.source.size(); ++i) count += prims[i] >= 0 && prims[i] == expected.source[i] ? 1 : 0;
+  return count;
+}
+
+/// `t` null: blockers. check_ray(i) asks the oracle.
 template <class CheckRay>
-Accuracy verify_rays(const Oracle& oracle, std::size_t rays, double max_tests, std::uint64_t seed, int threads, CheckRay&& check_ray) {
-  const std::vector<std::size_t> indices = sampled(rays, oracle.prim_count(), max_tests, seed);
-  std::vector<Check> checks(indices.size());
-  on_threads(threads, [&] { tbb::parallel_for(std::size_t{0}, indices.size(), [&](std::size_t k) { checks[k] = check_ray(indices[k]); }); });
+Accuracy verify_rays(const Oracle& oracle, const OracleBudget& budget, const ExpectedHits& expected, const Column<std::int32_t>& prims, const Column<float>* t,
+                     CheckRay&& check_ray) {
+  const std::vector<std::size_t> indices = sampled(prims.size(), oracle.prim_count(), budget.max_tests, budget.seed);
+  std::vector<Check> asked(indices.size());
+  on_threads(budget.threads, [&] { tbb::parallel_for(std::size_t{0}, indices.size(), [&](std::size_t k) { asked[k] = check_ray(indices[k]); }); });
+  const std::vector<Check> checks = merged(std::move(asked), indices, expected, prims, t);
 
   Accuracy accuracy;
-  accuracy.rays_checked = static_cast<std::int64_t>(indices.size());
+  accuracy.rays_checked = static_cast<std::int64_t>(checks.size());
+  accuracy.excused = expected.excused;
+  if (!expected.source.empty()) accuracy.self_hits = count_self_hits(expected, prims);
   std::vector<double> errors;
   for (const Check& check : checks) {
     accuracy.false_miss += check.verdict == Verdict::false_miss;
@@ -59,14 +93,17 @@ Accuracy verify_rays(const Oracle& oracle, std::size_t rays, double max_tests, s
 
 }  // namespace
 
-bool Accuracy::ok(double hit_mismatch_max) const noexcept { return static_cast<double>(mismatches()) <= hit_mismatch_max * static_cast<double>(rays_checked); }
-
-Accuracy verify_closest(const Oracle& oracle, const RayBatch& rays, const HitBatch& hits, double max_tests, std::uint64_t seed, int threads) {
-  return verify_rays(oracle, rays.size(), max_tests, seed, threads, [&](std::size_t i) { return oracle.closest(rays[i], hits.t[i], hits.prim[i]); });
+bool Accuracy::ok(double hit_mismatch_max) const noexcept {
+  const double allowed = std::max(hit_mismatch_max * static_cast<double>(rays_checked), static_cast<double>(excused));
+  return static_cast<double>(mismatches()) <= allowed && self_hits.value_or(0) == 0;
 }
 
-Accuracy verify_any(const Oracle& oracle, const RayBatch& rays, const Column<std::int32_t>& blocker, double max_tests, std::uint64_t seed, int threads) {
-  return verify_rays(oracle, rays.size(), max_tests, seed, threads, [&](std::size_t i) { return oracle.any(rays[i], blocker[i]); });
+Accuracy verify_closest(const Oracle& oracle, const RayBatch& rays, const HitBatch& hits, const OracleBudget& budget, const ExpectedHits& expected) {
+  return verify_rays(oracle, budget, expected, hits.prim, &hits.t, [&](std::size_t i) { return oracle.closest(rays[i], hits.t[i], hits.prim[i]); });
+}
+
+Accuracy verify_any(const Oracle& oracle, const RayBatch& rays, const Column<std::int32_t>& blocker, const OracleBudget& budget, const ExpectedHits& expected) {
+  return verify_rays(oracle, budget, expected, blocker, nullptr, [&](std::size_t i) { return oracle.any(rays[i], blocker[i]); });
 }
 
 }  // namespace raymeter

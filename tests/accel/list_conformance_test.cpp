@@ -42,7 +42,7 @@ TEST_P(ListConformance, IsCorrectByTheOracle) {
                     << reference.list.hits.prim[i] << " of ray " << i << ": org " << ray.org[0] << ' ' << ray.org[1] << ' ' << ray.org[2] << " dir "
                     << ray.dir[0] << ' ' << ray.dir[1] << ' ' << ray.dir[2] << " in " << ray.t_min << ' ' << ray.t_max;
     }
-    const Accuracy any = verify_any(oracle, rays, reference.list.blockers, std::numeric_limits<double>::infinity(), 1, 1);
+    const Accuracy any = verify_any(oracle, rays, reference.list.blockers, {std::numeric_limits<double>::infinity(), 1, 1});
     EXPECT_EQ(any.mismatches(), 0);
     EXPECT_EQ(any.rays_checked, static_cast<std::int64_t>(rays.size()));
   }

@@ -1,8 +1,11 @@
-#include "core/ray/generators.h"
+#include "core/ray/generators_mesh.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 #include <set>
 
@@ -47,10 +50,7 @@ bool same_rays(const RaySet& a, const RaySet& b) {
   if (a.rays.size() != b.rays.size() || a.query != b.query) return false;
   for (std::size_t i = 0; i < a.rays.size(); ++i) {
     const Ray p = a.rays[i], q = b.rays[i];
-    for (int k = 0; k < 3; ++k) {
-      if (p.org[k] != q.org[k] || p.dir[k] != q.dir[k]) return false;
-    }
-    if (p.t_min != q.t_min || p.t_max != q.t_max || a.pixel[i] != b.pixel[i]) return false;
+    if (std::memcmp(&p, &q, sizeof(Ray)) != 0 || a.pixel[i] != b.pixel[i]) return false;  // NaN among them
   }
   return true;
 }
@@ -106,7 +106,7 @@ TEST(Generators, EveryKindIsTheSameOnAnyNumberOfThreads) {
     EXPECT_GT(one.rays.size(), 0u) << name(kind);
     EXPECT_EQ(one.rays.size(), one.pixel.size());
     for (const int threads : {2, 7}) EXPECT_TRUE(same_rays(one, rays_of(scene, kind, threads))) << name(kind);
-    const bool seeded = kind == RayKind::random || kind == RayKind::diffuse || kind == RayKind::ambient_occlusion;
+    const bool seeded = kind != RayKind::primary && kind != RayKind::shadow && kind != RayKind::reflection;
     EXPECT_EQ(same_rays(one, rays_of(scene, kind, 1, 43)), !seeded) << name(kind);
     EXPECT_EQ(ray_kind_from_name(name(kind)), kind);
   }
@@ -182,10 +182,51 @@ TEST(Generators, RandomLinesMeetAConvexBodyInProportionToItsArea) {
   EXPECT_NEAR(static_cast<double>(met) / (count * count), share, 5 * standard_error);
 }
 
+Scene tetrahedron(bool closed) {
+  const std::array<glm::dvec3, 4> v{{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}};
+  Scene scene;
+  for (std::size_t k = 0; k < (closed ? 4u : 3u); ++k) scene.add_triangle(v[k], v[(k + 1) % 4], v[(k + 2) % 4]);
+  scene.camera = {{0, -6, 2}, {0, 0, 0}, {0, 0, 1}, 30, 0, 64, 64};
+  scene.finish();
+  return scene;
+}
+
+TEST(Generators, RaysAtAClosedMeshAllHit) {
+  for (const bool closed : {true, false}) {
+    const Scene scene = tetrahedron(closed);
+    EXPECT_EQ(is_closed(scene), closed);
+    for (const RayKind kind : {RayKind::vertices, RayKind::edges, RayKind::faces}) {
+      const RaySet set = rays_of(scene, kind);
+      ASSERT_EQ(set.rays.size(), 61u * 45u);
+      EXPECT_EQ(set.expected.prim.size(), closed ? set.rays.size() : 0u);
+      if (!closed) continue;
+      const Traced list = list_over(scene);
+      HitBatch hits;
+      trace_closest(*list.tracer, set.rays, hits, 1);
+      EXPECT_EQ(std::count(hits.prim.begin(), hits.prim.end(), -1), 0) << name(kind);
+    }
+  }
+  EXPECT_FALSE(is_closed(ball_on_floor()));
+}
+
+TEST(Generators, EveryEighthRayIsInvalid) {
+  const Scene scene = ball_on_floor();
+  const RaySet set = rays_of(scene, RayKind::invalid), valid = rays_of(scene, RayKind::primary);
+  const Traced list = list_over(scene);
+  HitBatch hits, expected;
+  trace_closest(*list.tracer, set.rays, hits, 1);
+  trace_closest(*list.tracer, valid.rays, expected, 1);
+  for (std::size_t i = 0; i < set.rays.size(); ++i) {
+    EXPECT_EQ(set.expected.prim[i], i % 8 == 7 ? ExpectedHits::kNothing : ExpectedHits::kUnknown);
+    EXPECT_EQ(hits.prim[i], i % 8 == 7 ? -1 : expected.prim[i]);
+  }
+}
+
 TEST(Generators, AnEmptySceneHasOnlyEyeRays) {
   Scene scene;
   scene.finish();
-  for (const RayKind kind : kRayKinds) EXPECT_EQ(rays_of(scene, kind).rays.size(), kind == RayKind::primary ? 61u * 45u : 0u) << name(kind);
+  for (const RayKind kind : kRayKinds)
+    EXPECT_EQ(rays_of(scene, kind).rays.size(), kind == RayKind::primary || kind == RayKind::invalid ? 61u * 45u : 0u) << name(kind);
 }
 
 }  // namespace

@@ -136,7 +136,7 @@ TEST(Verify, CountsFaultsAndSamplesBySeed) {
   for (const std::size_t i : {std::size_t{3}, std::size_t{500}}) hits.prim[i] = -1;
   hits.prim[7] = 1;
   hits.t[8] = std::nextafter(3.0f, 4.0f);
-  const Accuracy all = verify_closest(oracle, rays, hits, 1e9, 1, 2);
+  const Accuracy all = verify_closest(oracle, rays, hits, {1e9, 1, 2});
   EXPECT_EQ(all.rays_checked, 1000);
   EXPECT_EQ(all.false_miss, 2);
   EXPECT_EQ(all.false_hit, 1);
@@ -145,13 +145,13 @@ TEST(Verify, CountsFaultsAndSamplesBySeed) {
   EXPECT_EQ(all.t_ulp_max, 1);
   EXPECT_FALSE(all.ok(0));
   EXPECT_TRUE(all.ok(0.003));
-  const Accuracy some = verify_closest(oracle, rays, hits, 5 * 100, 1, 1);
+  const Accuracy some = verify_closest(oracle, rays, hits, {5 * 100, 1, 1});
   EXPECT_EQ(some.rays_checked, 100);
-  EXPECT_EQ(some.mismatches(), verify_closest(oracle, rays, hits, 5 * 100, 1, 7).mismatches());
+  EXPECT_EQ(some.mismatches(), verify_closest(oracle, rays, hits, {5 * 100, 1, 7}).mismatches());
   Column<std::int32_t> blocker(1000, 0);
-  EXPECT_TRUE(verify_any(oracle, rays, blocker, 1e9, 1, 2).ok(0));
+  EXPECT_TRUE(verify_any(oracle, rays, blocker, {1e9, 1, 2}).ok(0));
   blocker[5] = -1;
-  EXPECT_EQ(verify_any(oracle, rays, blocker, 1e9, 1, 2).false_miss, 1);
+  EXPECT_EQ(verify_any(oracle, rays, blocker, {1e9, 1, 2}).false_miss, 1);
 }
 
 }  // namespace

@@ -213,7 +213,7 @@ TEST_P(PrimitiveKernels, GroundSpheres) {
       rays.push_back(make_ray({0, 1, 0}, {dir.x, -0.1 - std::abs(dir.y), dir.z}));
     }
     const HitBatch hits = trace(scene, rays);
-    const Accuracy accuracy = verify_closest(oracle, rays, hits, 1e9, 1, 1);
+    const Accuracy accuracy = verify_closest(oracle, rays, hits, {1e9, 1, 1});
     EXPECT_EQ(accuracy.mismatches(), 0) << radius;
     // t relative within 2e-5 at r = 1e3, as the published factored form has it; 1 ulp is at least 2^-24 of t.
     EXPECT_LE(accuracy.t_ulp_p99, 2e-5 * 0x1p24) << radius;
