@@ -92,6 +92,7 @@ void fill_ray(float* field, const RayView& rays, std::int32_t first, std::int32_
   }
   std::memcpy(field + t_near * N, rays.t_min + first, N * sizeof(float));
   std::memcpy(field + t_far * N, rays.t_max + first, N * sizeof(float));
+  for (int lane = 0; lane < N; ++lane) field[t_near * N + lane] = std::max(field[t_near * N + lane], 0.0f);  // Embree looks ahead only, and asserts so
   std::fill_n(field + time_of * N, N, 0.0f);
   std::memset(field + mask * N, 0xFF, N * sizeof(float));
   std::memset(field + id * N, 0, 2 * N * sizeof(float));  // and flags
