@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "accel/registry.h"
+#include "experiments/cases/hard_case.h"
 #include "experiments/cli/cli.h"
 #include "experiments/record/catalog.h"
 #include "experiments/record/metrics.h"
@@ -27,6 +28,7 @@ std::string scenes_table() {
     text += fmt::format("{:<14} {} (:SIZE is the {}, {} to {}, default {})\n", generator.spec_prefix, generator.summary, generator.size_means,
                         generator.min_size, generator.max_size, generator.default_size);
   }
+  for (const HardCase& row : hard_cases()) text += fmt::format("hard:{} {}\n", row.name, row.summary);
   return text;
 }
 

@@ -33,7 +33,8 @@ struct SceneChoice {
   std::string absent;  ///< why an optional scene is not there; its cells are skipped
 };
 
-/// What a cell traces: a ray set by its generator's name or as a .npy file with the query it is for, or "image", complete frames.
+/// What a cell traces: a ray set by its generator's name, "case" for that of a hard case, or as a .npy file with the query it is for, or "image", complete
+/// frames.
 struct RaysChoice {
   std::string name;  ///< as the config has it; "FILE:any" for a file's any-hit queries
   std::string file;  ///< path of a .npy file, empty for generated rays

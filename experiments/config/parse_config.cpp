@@ -152,6 +152,14 @@ void check_depths(const Matrix& m) {
   if (m.min_weight != ray_sets.min_weight) throw Error("matrix.min_weight: ray sets have no weights, expected \"image\" among matrix.rays");
 }
 
+/// Their rays are of hard cases: other scenes have none.
+void check_cases(const Matrix& m) {
+  if (std::ranges::none_of(m.rays, [](const RaysChoice& rays) { return rays.name == "case"; })) return;
+  for (const SceneChoice& scene : m.scene) {
+    if (!scene.spec.starts_with("hard:")) throw Error(fmt::format("matrix.rays: {} has no rays of a case, expected scenes hard:NAME", scene.name));
+  }
+}
+
 Matrix parse_matrix(const Json& json, const Environment& environment) {
   Matrix m;
   const auto list = [&](const char* key, auto& out, auto&& parse) { parse_list(json, key, "matrix.", out, parse); };
@@ -169,6 +177,7 @@ Matrix parse_matrix(const Json& json, const Environment& environment) {
   list("rays", m.rays, [&](const Json& value, const std::string& path) { return parse_rays(value, environment, path); });
   list("threads", m.threads, [](const Json& value, const std::string&) { return value.is_string() ? 0 : value.get<int>(); });
   check_depths(m);
+  check_cases(m);
   return m;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "accel/registry.h"
+#include "core/ray/generators.h"
 #include "core/ray/views.h"
 #include "core/simd/isa.h"
 #include "experiments/config/config.h"
@@ -96,7 +97,10 @@ Json scene_schema() {
 }
 
 Json rays_schema() {
-  const Json kinds{{"type", "string"}, {"enum", {"primary", "shadow", "reflection", "ambient_occlusion", "diffuse", "random", "image"}}};
+  Json names = Json::array();
+  for (const RayKind kind : kRayKinds) names.push_back(name(kind));
+  for (const char* other : {"case", "image"}) names.push_back(other);
+  const Json kinds{{"type", "string"}, {"enum", names}};
   const Json file{{"type", "string"}, {"pattern", "\\.npy$"}, {"description", "a .npy file"}};
   const Json query{{"type", "string"}, {"enum", {"closest", "any"}}};
   const Json object = closed_object({{"file", file}, {"query", query}}, {"file"});
@@ -106,18 +110,20 @@ Json rays_schema() {
 Json matrix_schema() {
   const Json threads{{"anyOf", {integer(1, 4096), {{"const", "all"}}}}};
   const Json weight{{"type", "number"}, {"minimum", 0}};
-  return closed_object({{"scene", sweep(scene_schema(), "generators (spd:balls:4, gen:terrain:100000) or files")},
-                        {"structure", sweep(slot_schema("structure"), "acceleration structures, and their parameters")},
-                        {"first_hit", sweep(slot_schema("first_hit"), "how eye rays find their first hit; other rays take the default")},
-                        {"occlusion", sweep(slot_schema("occlusion"), "what is tried before a shadow ray is traced; other rays take the default")},
-                        {"max_depth", sweep(integer(1, 100), "greatest depth of an image's rays, the eye ray having 1; ray sets have none")},
-                        {"min_weight", sweep(weight, "least share of its pixel with which an image's ray is followed; 0 cuts nothing")},
-                        {"needs", sweep({{"enum", {"auto", "all"}}}, "auto: images run what their scene needs; all: what any scene may need, to compare")},
-                        {"isa", sweep(isa_schema(), "instruction sets; one that the machine lacks is recorded as skipped; best: the machine's best")},
-                        {"packet", sweep(integer(1, kMaxPacket), "rays per packet; 1 traces rays one by one")},
-                        {"rays", sweep(rays_schema(), "ray sets, or image: complete frames; .npy files are for closest unless they say query: any")},
-                        {"threads", sweep(threads, "number of threads, or all")}},
-                       {"scene", "structure"});
+  return closed_object(
+      {{"scene", sweep(scene_schema(), "generators (spd:balls:4, gen:terrain:100000) or files")},
+       {"structure", sweep(slot_schema("structure"), "acceleration structures, and their parameters")},
+       {"first_hit", sweep(slot_schema("first_hit"), "how eye rays find their first hit; other rays take the default")},
+       {"occlusion", sweep(slot_schema("occlusion"), "what is tried before a shadow ray is traced; other rays take the default")},
+       {"max_depth", sweep(integer(1, 100), "greatest depth of an image's rays, the eye ray having 1; ray sets have none")},
+       {"min_weight", sweep(weight, "least share of its pixel with which an image's ray is followed; 0 cuts nothing")},
+       {"needs", sweep({{"enum", {"auto", "all"}}}, "auto: images run what their scene needs; all: what any scene may need, to compare")},
+       {"isa", sweep(isa_schema(), "instruction sets; one that the machine lacks is recorded as skipped; best: the machine's best")},
+       {"packet", sweep(integer(1, kMaxPacket), "rays per packet; 1 traces rays one by one")},
+       {"rays",
+        sweep(rays_schema(), "ray sets; case: those of a hard: scene; or image: complete frames; .npy files are for closest unless they say query: any")},
+       {"threads", sweep(threads, "number of threads, or all")}},
+      {"scene", "structure"});
 }
 
 /// Fields of a cell and the values that they may have.

@@ -4,6 +4,7 @@
 
 #include "accel/registry.h"
 #include "core/simd/isa.h"
+#include "experiments/cases/hard_case.h"
 #include "experiments/record/metrics.h"
 #include "experiments/record/param_json.h"
 #include "experiments/scenes/generators.h"
@@ -60,6 +61,7 @@ std::string scenes_json() {
                     {"min_size", generator.min_size},
                     {"max_size", generator.max_size}});
   }
+  for (const HardCase& row : hard_cases()) json.push_back({{"name", "hard:" + std::string(row.name)}, {"summary", row.summary}});
   return json.dump(2);
 }
 

@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/base/threads.h"
 #include "core/scene/scene_needs.h"
+#include "experiments/cases/hard_case.h"
 #include "experiments/config/hash.h"
 #include "experiments/npy.h"
 #include "experiments/record/tables.h"
@@ -200,6 +201,7 @@ SceneRun::Live SceneRun::make_live(const Experiment& cell, const RaySet* rays) c
 
 RaySet SceneRun::make_ray_set(const Experiment& cell, const Intersector& tracer) const {
   if (!cell.rays.file.empty()) return {.rays = read_rays_npy(cell.rays.file), .query = cell.rays.any ? Query::any : Query::closest, .pixel = {}};
+  if (cell.rays.name == "case") return hard_case(cell.scene.spec).make(cell.width * cell.height, cell.seed).set;
   const CameraModel model{scene_->camera, cell.camera, cell.width, cell.height};
   return make_rays(*scene_, ray_kind_from_name(cell.rays.name).value(), model, cell.seed, tracer, 0);
 }

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "experiments/cases/hard_case.h"
 #include "experiments/scenes/generators.h"
 #include "experiments/scenes/scene_readers.h"
 
@@ -37,18 +38,22 @@ const SceneFormat& find_format(const std::string& path) {
   if (format == kFormats.end()) {
     std::string known;
     for (const SceneFormat& row : kFormats) known.append(known.empty() ? "" : " ").append(row.extension);
-    throw Error(fmt::format("{}: unknown kind of scene; expected a file that ends in one of {} (.xz or .gz may follow), or spd:NAME or gen:NAME", path, known));
+    throw Error(fmt::format("{}: unknown kind of scene; expected a file that ends in one of {} (.xz or .gz may follow), or spd:NAME, gen:NAME or hard:NAME",
+                            path, known));
   }
   return *format;
 }
 
+bool is_hard_case(std::string_view spec) noexcept { return spec.starts_with("hard:"); }
+
 }  // namespace
 
-bool is_generated_scene(std::string_view spec) noexcept { return spec.starts_with("spd:") || spec.starts_with("gen:"); }
+bool is_generated_scene(std::string_view spec) noexcept { return spec.starts_with("spd:") || spec.starts_with("gen:") || is_hard_case(spec); }
 
 std::span<const SceneFormat> scene_formats() noexcept { return kFormats; }
 
 void check_scene(std::string_view spec) {
+  if (is_hard_case(spec)) return (void)hard_case(spec);
   if (is_generated_scene(spec)) return check_generator_spec(spec);
   const std::string path(spec);
   (void)find_format(path);
@@ -56,6 +61,11 @@ void check_scene(std::string_view spec) {
 }
 
 Scene load_scene(std::string_view spec) {
+  if (is_hard_case(spec)) {
+    Scene scene = hard_case(spec).make(0, 0).scene;
+    scene.name = spec;
+    return scene;
+  }
   if (is_generated_scene(spec)) return generate_scene(spec);
   const std::string path(spec);
   Scene scene = find_format(path).read(read_source_file(path));

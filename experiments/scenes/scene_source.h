@@ -6,8 +6,8 @@
 
 namespace raymeter {
 
-/// The scene that `spec` names: a generator ("spd:balls", "spd:balls:4", "gen:terrain:100000") or a file ("hall.obj", "tree.nff.xz"). Its name is `spec`, its
-/// memory is trimmed. Throws Error for what does not exist or is damaged.
+/// The scene that `spec` names: a generator ("spd:balls", "spd:balls:4", "gen:terrain:100000"), a hard case ("hard:lattice") or a file ("hall.obj",
+/// "tree.nff.xz"). Its name is `spec`, its memory is trimmed. Throws Error for what does not exist or is damaged.
 [[nodiscard]] Scene load_scene(std::string_view spec);
 
 /// Whether `spec` names a generator, not a file.

@@ -10,7 +10,7 @@ from .records import FRAME_PHASES, Record, Run, Value, whole
 
 STRUCTURE_ORDER = "list bvh octree kdtree bsp grid recursive_grid ray_classification embree".split()
 PEERS = ("embree",)
-RAY_ORDER = "primary shadow reflection ambient_occlusion diffuse random image".split()
+RAY_ORDER = "primary shadow reflection ambient_occlusion diffuse vertices edges faces invalid random case image".split()
 ISA_ORDER = "scalar sse42 avx2 avx512".split()
 SETTING = ("isa", "packet", "threads", "max_depth", "min_weight")
 

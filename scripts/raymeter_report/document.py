@@ -14,6 +14,7 @@ from .cells import Cell, best_cells, finite, load_cells, rays_of, scenes_of, tec
 from .figures import Plot, write_plots
 from .frames import depth_control_table, frames_table
 from .glossary import GLOSSARY, SYMBOL_NOTE, Term
+from .hard_cases import hard_cases_table
 from .peer import peer_table
 from .pictures import Picture, pictures_of
 from .records import Run
@@ -63,6 +64,7 @@ class Report:
     depth_control: Table
     shadow_cache: Table
     price: Table
+    hard_cases: Table
     accuracy: Table
     plots: list[Plot]
     pictures: list[Picture]
@@ -106,6 +108,7 @@ def make_report(runs: Sequence[Run], out: Path) -> Report:
         depth_control=depth_control_table(cells),
         shadow_cache=shadow_cache_table(cells),
         price=price_table(cells),
+        hard_cases=hard_cases_table(cells),
         accuracy=accuracy_table(cells),
         plots=write_plots(runs, cells, out / "plots"),
         pictures=[picture for run in runs for picture in pictures_of(run)],

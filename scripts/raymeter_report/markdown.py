@@ -30,7 +30,7 @@ def markdown(report: Report, out: Path) -> str:
     parts += block(report.break_even, "## Break-even")
     parts += block(report.volumes, "## Bounding volumes")
     parts += block(report.frames, "## Frames") + block(report.depth_control, "## Adaptive depth control") + block(report.shadow_cache, "## Shadow cache") + block(report.price, "## Price of robustness")
-    parts += block(report.accuracy, "## Accuracy")
+    parts += block(report.hard_cases, "## Hard cases") + block(report.accuracy, "## Accuracy")
     if report.pictures:
         parts.append("## Images and heat maps")
         parts += [f"![{escape(one.title)}]({link(one.path, out)})\n\n{escape(one.title)}. {escape(one.caption)}" for one in report.pictures]

@@ -73,8 +73,8 @@ TEST(Config, SaysWhichValueIsWrong) {
             "c.json: matrix.occlusion[1]: expected one of none, shadow_cache or an object, got \"nune\"; did you mean none?");
   EXPECT_EQ(message(config(R"(, "max_depth": 101)")), "c.json: matrix.max_depth: expected a whole number from 1 to 100, got 101");
   EXPECT_EQ(message(config(R"(, "rays": "images")")),
-            "c.json: matrix.rays: expected one of primary, shadow, reflection, ambient_occlusion, diffuse, random, image or a .npy file or an object, "
-            "got \"images\"; did you mean image?");
+            "c.json: matrix.rays: expected one of primary, shadow, reflection, ambient_occlusion, diffuse, random, vertices, edges, faces, invalid, case, "
+            "image or a .npy file or an object, got \"images\"; did you mean image?");
   EXPECT_EQ(message(config(R"(, "rays": "absent.npy")")), "c.json: matrix.rays: absent.npy cannot be read");
   EXPECT_EQ(message(config("", R"(, "measure": {"order": "random"})")), "c.json: measure.order: expected interleaved, got \"random\"");
   EXPECT_EQ(message(config("", R"(, "verify": {"oracle": "yes"})")), "c.json: verify.oracle: expected true or false, got \"yes\"");

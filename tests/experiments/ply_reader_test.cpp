@@ -28,7 +28,7 @@ void put(std::string& bytes, T value, bool big_endian) {
   bytes.append(raw, sizeof(T));
 }
 
-/// One triangle (0, 2, 1) of vertices (i, 10 i, 100 i), with an index type, and with things to skip before, in and between the elements.
+/// One triangle (0, 2, 1) of vertices (i, 10 i, 100 i^2), with an index type, and with things to skip before, in and between the elements.
 template <class Index>
 std::string binary(const std::string& index_type, bool big_endian) {
   std::string bytes = std::string("ply\r\nformat binary_") + (big_endian ? "big" : "little") +
@@ -45,7 +45,7 @@ std::string binary(const std::string& index_type, bool big_endian) {
     for (int k = 0; k < i; ++k) put<float>(bytes, 5.0f, big_endian);
     put<std::int16_t>(bytes, i, big_endian);
     put<std::uint8_t>(bytes, 255, big_endian);
-    put<float>(bytes, 100.0f * static_cast<float>(i), big_endian);
+    put<float>(bytes, 100.0f * static_cast<float>(i * i), big_endian);
   }
   put<std::uint32_t>(bytes, 1, big_endian);
   put<std::int32_t>(bytes, 3, big_endian);
@@ -63,7 +63,7 @@ void expect_triangle(const std::string& index_type) {
       const float index = static_cast<float>(std::array{0, 2, 1}[k]);
       EXPECT_EQ(triangles.vertex[k][0][0], index);
       EXPECT_EQ(triangles.vertex[k][1][0], 10 * index);
-      EXPECT_EQ(triangles.vertex[k][2][0], 100 * index);
+      EXPECT_EQ(triangles.vertex[k][2][0], 100 * index * index);
     }
   }
 }

@@ -135,10 +135,9 @@ TEST(SceneSource, PassesGeneratorsOn) {
 TEST(SceneSource, SaysWhatIsNotThere) {
   expect_error("no/such/file.nff", "no/such/file.nff: no such file");
   const TempFile other("scene.txt", "");
-  expect_error(
-      other.path(),
-      other.path() +
-          ": unknown kind of scene; expected a file that ends in one of .glb .gltf .nff .obj .ply .stl (.xz or .gz may follow), or spd:NAME or gen:NAME");
+  expect_error(other.path(), other.path() +
+                                 ": unknown kind of scene; expected a file that ends in one of .glb .gltf .nff .obj .ply .stl (.xz or .gz may follow), or "
+                                 "spd:NAME, gen:NAME or hard:NAME");
   const std::string folder = testing::TempDir() + "raymeter_folder.nff";
   std::filesystem::create_directory(folder);
   expect_error(folder, folder + ": is not a regular file");

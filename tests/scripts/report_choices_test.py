@@ -12,7 +12,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run
-from raymeter_report import best_settings, cells, figure_peer, figures, numbers, peer, records, scaling, shadow_cache, steps, style, tables
+from raymeter_report import best_settings, cells, figure_peer, figures, hard_cases, numbers, peer, records, scaling, shadow_cache, steps, style, tables
 from report_support import TemporaryFolder, run_cli
 
 
@@ -165,6 +165,25 @@ class Steps(TemporaryFolder):
         self.assertAlmostEqual(first.ratio.value / (time["list"] / time["bvh"]), 1.0, delta=0.05)
         self.assertEqual(run_cli(self.folder)[0], 0)
         self.assertTrue((self.folder / "plots" / "steps.svg").is_file())
+
+
+class HardCases(unittest.TestCase):
+    """Case by technique."""
+
+    def cell(self, scene: str, structure: str, isa: str, status: str = "ok", **accuracy: float) -> cells.Cell:
+        summary = dict(scene=scene, rays="case", phase="closest", structure=structure, params="", first_hit="cast", occlusion="none", isa=isa, packet=16.0)
+        summary |= dict(threads=1.0, max_depth=5.0, min_weight=0.0, status=status)
+        return cells.Cell("run", summary, {}, {}, dict(rays_checked=100.0, false_miss=0.0, false_hit=0.0, wrong_prim=0.0, **accuracy), label=structure)
+
+    def test_a_field_holds_the_worst_of_its_settings(self) -> None:
+        some = [self.cell("hard:ties", "bvh", "avx2", t_ulp_max=0.5), self.cell("hard:ties", "bvh", "sse42", t_ulp_max=2.0),
+                self.cell("hard:ties", "grid", "avx2", status="wrong", self_hits=3.0), self.cell("hard:cones", "bvh", "avx2")]
+        some[2].accuracy["false_miss"] = 7.0
+        table = hard_cases.hard_cases_table(some)
+        self.assertEqual([column.title for column in table.columns], ["case", "rays", "bvh", "grid"])
+        self.assertEqual([field.text for field in table.rows[0]], ["ties", "100", "0; 2.00 ulp", "7 / 0 / 0, 3 self-hits"])
+        self.assertEqual([field.tone for field in table.rows[0]], ["", "", "", "bad"])
+        self.assertEqual([field.text for field in table.rows[1]], ["cones", "100", "0", ""])
 
 
 class Choices(TemporaryFolder):

@@ -1,0 +1,52 @@
+#include "experiments/cases/recipes.h"
+
+#include "experiments/verify/oracle.h"
+
+namespace raymeter::cases {
+
+Ray ray(const glm::dvec3& org, const glm::dvec3& dir, float t_min, float t_max) {
+  const glm::vec3 o(org), d(dir);
+  return {{o.x, o.y, o.z}, t_min, {d.x, d.y, d.z}, t_max};
+}
+
+void add(Problem& problem, const Ray& ray, std::int32_t prim, double t) {
+  problem.set.rays.push_back(ray);
+  problem.set.expected.push_back(prim, t);
+}
+
+Problem finished(Problem problem) {
+  problem.scene.finish();
+  return problem;
+}
+
+Problem solved(Problem problem) {
+  problem.scene.finish();
+  const Oracle oracle(problem.scene);
+  ExpectedHits& expected = problem.set.expected;
+  for (std::size_t i = 0; i < problem.set.rays.size(); ++i) {
+    if (expected.prim[i] != ExpectedHits::kUnknown) continue;
+    const auto hit = oracle.nearest(problem.set.rays[i]);
+    expected.prim[i] = hit ? hit->prim : ExpectedHits::kNothing;
+    expected.t[i] = hit ? hit->t : kUnknownT;
+  }
+  return problem;
+}
+
+void add_rectangle(Scene& scene, const glm::dvec3& at, const glm::dvec3& x, const glm::dvec3& y) {
+  scene.add_triangle(at, at + x, at + x + y);
+  scene.add_triangle(at, at + x + y, at + y);
+}
+
+void add_box(Scene& scene, const glm::dvec3& low, const glm::dvec3& high) {
+  const glm::dvec3 extent = high - low;
+  for (glm::length_t axis = 0; axis < 3; ++axis) {
+    glm::dvec3 x(0.0), y(0.0), across(0.0);
+    x[(axis + 1) % 3] = extent[(axis + 1) % 3];
+    y[(axis + 2) % 3] = extent[(axis + 2) % 3];
+    across[axis] = extent[axis];
+    add_rectangle(scene, low, x, y);
+    add_rectangle(scene, low + across, x, y);
+  }
+}
+
+}  // namespace raymeter::cases

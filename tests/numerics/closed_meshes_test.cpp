@@ -1,0 +1,150 @@
+// No structure loses a ray at a vertex, an edge or a face of a closed mesh: near, far from the origin, and in planes of the axes, where rays run along the
+// faces of boxes and cells.
+
+#include <algorithm>
+#include <limits>
+#include <ostream>
+
+#include <gtest/gtest.h>
+
+#include "core/ray/generators.h"
+#include "tests/support/random.h"
+#include "tests/support/test_scenes.h"
+#include "tests/support/traces.h"
+
+namespace raymeter {
+namespace {
+
+using test::Random;
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+struct Case {
+  const StructureEntry* entry;
+  Isa isa;
+};
+
+std::vector<Case> all_cases() {
+  std::vector<Case> cases;
+  for (const StructureEntry& entry : structures()) {
+    for (const Isa isa : kIsas) cases.push_back({&entry, isa});
+  }
+  return cases;
+}
+
+std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.entry->name << '_' << name(c.isa); }
+
+/// A scene's rays at vertices, edges and faces; made once.
+struct Mesh {
+  Scene scene;
+  RayBatch rays;
+
+  Mesh(Scene mesh, std::int32_t rays_a_class) : scene(std::move(mesh)) {
+    const StructureEntry& bvh = structure_entry("bvh");
+    const ParamValues params = bvh.resolve({});
+    const auto structure = bvh.build(scene, params, 1);
+    const auto tracer = structure->intersector({Isa::scalar, 1, params});
+    for (const RayKind kind : {RayKind::vertices, RayKind::edges, RayKind::faces}) {
+      const RaySet set = make_rays(scene, kind, {scene.camera, CameraConvention::pixel, rays_a_class, 1}, 31, *tracer, 1);
+      EXPECT_EQ(set.expected.prim.size(), set.rays.size()) << "not closed";
+      rays.append(set.rays);
+    }
+  }
+};
+
+class ClosedMeshes : public testing::TestWithParam<Case> {
+protected:
+  void SetUp() override {
+    if (!available(GetParam().isa)) GTEST_SKIP() << name(GetParam().isa) << " is not available on this machine";
+  }
+  /// For time's sake: what tests all primitives gets a thousandth of the rays, what makes cells for rays without coherence a tenth but on one instruction set.
+  [[nodiscard]] static RayBatch affordable(const RayBatch& rays) {
+    const std::size_t step = GetParam().entry->name == "list" ? 1000 : GetParam().entry->name == "ray_classification" && GetParam().isa != Isa::avx2 ? 10 : 1;
+    RayBatch some;
+    for (std::size_t i = 0; i < rays.size(); i += step) some.push_back(rays[i]);
+    return some;
+  }
+  /// Rays that a structure with default parameters loses.
+  static std::ptrdiff_t misses(const Scene& scene, const RayBatch& rays, std::initializer_list<int> packets) {
+    const ParamValues params = GetParam().entry->resolve({});
+    const auto structure = GetParam().entry->build(scene, params, 1);
+    std::ptrdiff_t lost = 0;
+    for (const int packet : packets) {
+      const auto intersector = structure->intersector({GetParam().isa, packet, params});
+      HitBatch hits;
+      intersector->prepare(rays.view(), Query::closest, 1);
+      trace_closest(*intersector, rays, hits, 1);
+      lost += std::count(hits.prim.begin(), hits.prim.end(), -1);
+    }
+    return lost;
+  }
+};
+
+TEST_P(ClosedMeshes, HaveNoHoles) {
+  static const Mesh mesh(test::icosphere(5), 100'000);
+  ASSERT_EQ(mesh.scene.prim_count(), 20480);
+  EXPECT_EQ(misses(mesh.scene, affordable(mesh.rays), {16}), 0);
+  RayBatch some;
+  for (std::size_t i = 0; i < mesh.rays.size(); i += 30) some.push_back(mesh.rays[i]);
+  EXPECT_EQ(misses(mesh.scene, affordable(some), {1, 3, 64}), 0);
+}
+
+TEST_P(ClosedMeshes, HaveNoHolesFarFromTheOrigin) {
+  static const Mesh mesh(test::icosphere(3, 2, {148376, 1234, -223423}), 20'000);
+  EXPECT_EQ(misses(mesh.scene, affordable(mesh.rays), {16}), 0);
+}
+
+/// Steps of whole heights: everything lies in planes that boxes, cells and splits have too.
+struct HeightField {
+  static constexpr int kSize = 128;
+  Scene scene;
+  RayBatch rays;
+  std::vector<float> t;
+
+  HeightField() {
+    Random random(35);
+    std::vector<int> height;
+    for (int i = 0; i < (kSize + 1) * (kSize + 1); ++i) height.push_back(static_cast<int>(random.below(8)));
+    const auto at = [&](int x, int y) { return glm::dvec3(x, y, height[static_cast<std::size_t>(y * (kSize + 1) + x)]); };
+    for (int y = 0; y < kSize; ++y) {
+      for (int x = 0; x < kSize; ++x) {
+        scene.add_triangle(at(x, y), at(x + 1, y), at(x + 1, y + 1));
+        scene.add_triangle(at(x, y), at(x + 1, y + 1), at(x, y + 1));
+      }
+    }
+    scene.finish();
+    for (int signs = 0; signs < 4; ++signs) {
+      for (int y = 0; y <= 2 * kSize; ++y) {
+        for (int x = 0; x <= 2 * kSize; ++x) {
+          rays.push_back(
+              {{0.5f * static_cast<float>(x), 0.5f * static_cast<float>(y), 100}, 0, {signs & 1 ? -0.0f : 0.0f, signs & 2 ? -0.0f : 0.0f, -1}, kInf});
+          // Middles of edges and diagonals, all of which run from (x, y) to (x + 1, y + 1).
+          t.push_back(static_cast<float>(100 - (at(x / 2, y / 2).z + at((x + 1) / 2, (y + 1) / 2).z) / 2));
+        }
+      }
+    }
+  }
+};
+
+TEST_P(ClosedMeshes, VerticalRaysMeetAnIntegerHeightFieldExactly) {
+  static const HeightField field;
+  const ParamValues params = GetParam().entry->resolve({});
+  const auto structure = GetParam().entry->build(field.scene, params, 1);
+  const auto intersector = structure->intersector({GetParam().isa, 16, params});
+  HitBatch hits;
+  const bool all = GetParam().entry->name != "list";
+  RayBatch rays;
+  std::vector<float> expected;
+  for (std::size_t i = 0; i < field.rays.size(); i += all ? 1 : 257) {
+    rays.push_back(field.rays[i]);
+    expected.push_back(field.t[i]);
+  }
+  intersector->prepare(rays.view(), Query::closest, 1);
+  trace_closest(*intersector, rays, hits, 1);
+  for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits.t[i], expected[i]) << rays.org[0][i] << ' ' << rays.org[1][i];
+}
+
+INSTANTIATE_TEST_SUITE_P(Structures, ClosedMeshes, testing::ValuesIn(all_cases()), testing::PrintToStringParamName());
+
+}  // namespace
+}  // namespace raymeter

@@ -1,0 +1,250 @@
+// What must not change a bit, whatever the truth is: the unit of length, mirrored and turned axes, another place, the order of primitives, rays and lanes,
+// packet sizes and threads.
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/random.h"
+#include "tests/support/traces.h"
+
+namespace raymeter {
+namespace {
+
+using glm::dvec3;
+using test::Random;
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+/// A primitive that can be moved: points, and radii of spheres and cones.
+struct Shape {
+  PrimKind kind;
+  std::array<dvec3, 4> point;
+  std::array<double, 2> radius;
+};
+
+struct World {
+  std::vector<Shape> shapes;
+  std::vector<Ray> rays;
+};
+
+/// A map of space that lengths follow by `scale`.
+struct Motion {
+  std::function<dvec3(const dvec3&)> map;
+  double scale = 1;
+};
+
+/// All on a lattice of 1/8, so that other places are exact; rays of any direction.
+World lattice_world(bool triangles_only) {
+  Random random(71);
+  World world;
+  const auto on_lattice = [&](double reach) { return glm::round(8.0 * random.in_cube(reach)) / 8.0; };
+  for (int k = 0; k < 250; ++k) {
+    const dvec3 p = on_lattice(8), e = on_lattice(2), f = on_lattice(2);
+    const auto kind = triangles_only ? PrimKind::triangle : static_cast<PrimKind>(k % kPrimKindCount);
+    world.shapes.push_back(
+        {kind, {p, p + e, p + e + f, p + f}, {0.125 * static_cast<double>(1 + random.below(8)), 0.125 * static_cast<double>(random.below(8))}});
+  }
+  for (int k = 0; k < 700; ++k) {
+    const dvec3 org = on_lattice(12);
+    const glm::vec3 o(org), d(k % 4 == 0 ? random.direction() : on_lattice(8) + 0.1 * random.in_cube() - org);
+    world.rays.push_back({{o.x, o.y, o.z}, 0, {d.x, d.y, d.z}, kInf});
+  }
+  return world;
+}
+
+Scene scene_of(const World& world, const Motion& motion, const std::vector<std::size_t>& order) {
+  Scene scene;
+  for (const std::size_t i : order) {
+    const Shape& shape = world.shapes[i];
+    std::array<dvec3, 4> p = shape.point;
+    for (dvec3& at : p) at = motion.map(at);
+    switch (shape.kind) {
+      case PrimKind::sphere: scene.add_sphere(p[0], motion.scale * shape.radius[0]); break;
+      case PrimKind::triangle: scene.add_triangle(p[0], p[1], p[2]); break;
+      case PrimKind::polygon: scene.add_polygon(p); break;
+      case PrimKind::cone: scene.add_cone(p[0], motion.scale * shape.radius[0], p[1], motion.scale * shape.radius[1]); break;
+    }
+  }
+  scene.finish();
+  return scene;
+}
+
+/// Rays with their origins mapped, and their directions as vectors, which keep their length.
+RayBatch rays_of(const World& world, const Motion& motion) {
+  const dvec3 zero = motion.map(dvec3(0.0));
+  RayBatch rays;
+  for (const Ray& ray : world.rays) {
+    const glm::vec3 o(motion.map({ray.org[0], ray.org[1], ray.org[2]})), d((motion.map({ray.dir[0], ray.dir[1], ray.dir[2]}) - zero) / motion.scale);
+    rays.push_back({{o.x, o.y, o.z}, ray.t_min, {d.x, d.y, d.z}, ray.t_max});
+  }
+  return rays;
+}
+
+std::vector<std::size_t> in_order(std::size_t count) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  return order;
+}
+
+std::vector<std::size_t> shuffled(std::size_t count) {
+  Random random(72);
+  std::vector<std::size_t> order = in_order(count);
+  for (std::size_t i = count; i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
+  return order;
+}
+
+class Metamorphic : public testing::TestWithParam<const StructureEntry*> {
+protected:
+  [[nodiscard]] static HitBatch trace(const Scene& scene, const RayBatch& rays, Isa isa, int packet = 8, int threads = 1) {
+    const ParamValues params = GetParam()->resolve({});
+    const auto structure = GetParam()->build(scene, params, threads);
+    const auto intersector = structure->intersector({isa, packet, params});
+    intersector->prepare(rays.view(), Query::closest, threads);
+    HitBatch hits;
+    trace_closest(*intersector, rays, hits, threads);
+    return hits;
+  }
+  /// Equal bits where t is scaled by that.
+  static void expect_same(const HitBatch& hits, const HitBatch& expected, float t_scale = 1) {
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      ASSERT_EQ(hits.prim[i], expected.prim[i]) << "ray " << i;
+      ASSERT_EQ(std::bit_cast<std::uint32_t>(hits.t[i]), std::bit_cast<std::uint32_t>(expected.t[i] * t_scale)) << "ray " << i;
+      ASSERT_EQ(std::bit_cast<std::uint32_t>(hits.u[i]), std::bit_cast<std::uint32_t>(expected.u[i])) << "ray " << i;
+      ASSERT_EQ(std::bit_cast<std::uint32_t>(hits.v[i]), std::bit_cast<std::uint32_t>(expected.v[i])) << "ray " << i;
+    }
+  }
+  /// The hits of the moved world against those of the world as it is.
+  static void expect_unmoved(const World& world, const Motion& motion, Isa isa) {
+    const auto order = in_order(world.shapes.size());
+    const Motion still{[](const dvec3& p) { return p; }};
+    const HitBatch expected = trace(scene_of(world, still, order), rays_of(world, still), isa);
+    ASSERT_GT(std::count_if(expected.prim.begin(), expected.prim.end(), [](std::int32_t prim) { return prim >= 0; }), 200);
+    expect_same(trace(scene_of(world, motion, order), rays_of(world, motion), isa), expected, static_cast<float>(motion.scale));
+  }
+};
+
+template <class Check>
+void on_each_isa(Check&& check) {
+  for (const Isa isa : kIsas) {
+    if (!available(isa)) continue;
+    SCOPED_TRACE(name(isa));
+    check(isa);
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+TEST_P(Metamorphic, UnitOfLength) {
+  const World world = lattice_world(false);
+  on_each_isa([&](Isa isa) {
+    for (const double scale : {0x1p-30, 0x1p-7, 0x1p9, 0x1p40}) expect_unmoved(world, {[=](const dvec3& p) { return scale * p; }, scale}, isa);
+  });
+}
+
+TEST_P(Metamorphic, MirroredAxes) {
+  const World world = lattice_world(false);
+  on_each_isa([&](Isa isa) {
+    for (const dvec3& sign : {dvec3(-1, 1, 1), dvec3(1, -1, 1), dvec3(1, 1, -1), dvec3(-1, -1, -1)}) {
+      expect_unmoved(world, {[=](const dvec3& p) { return sign * p; }}, isa);
+    }
+  });
+}
+
+// Sums over axes are taken in their order, which matters to other kinds than triangles.
+TEST_P(Metamorphic, TurnedAxes) {
+  const World world = lattice_world(true);
+  on_each_isa([&](Isa isa) {
+    expect_unmoved(world, {[](const dvec3& p) { return dvec3(p.y, p.z, p.x); }}, isa);
+    expect_unmoved(world, {[](const dvec3& p) { return dvec3(p.z, p.x, p.y); }}, isa);
+  });
+}
+
+TEST_P(Metamorphic, AnotherPlace) {
+  const World world = lattice_world(false);
+  on_each_isa([&](Isa isa) {
+    for (const dvec3& by : {dvec3(0x1p19, 0x1p19, 0x1p19), dvec3(-1024, 0.125, 0x1p18)}) expect_unmoved(world, {[=](const dvec3& p) { return p + by; }}, isa);
+  });
+}
+
+TEST_P(Metamorphic, OrderOfPrimitives) {
+  const World world = lattice_world(false);
+  const Motion still{[](const dvec3& p) { return p; }};
+  const auto order = shuffled(world.shapes.size());
+  on_each_isa([&](Isa isa) {
+    const RayBatch rays = rays_of(world, still);
+    const HitBatch expected = trace(scene_of(world, still, in_order(world.shapes.size())), rays, isa);
+    HitBatch hits = trace(scene_of(world, still, order), rays, isa);
+    for (std::int32_t& prim : hits.prim) prim = prim < 0 ? prim : static_cast<std::int32_t>(order[static_cast<std::size_t>(prim)]);
+    expect_same(hits, expected);
+  });
+}
+
+TEST_P(Metamorphic, OrderOfRaysPacketsAndThreads) {
+  const World world = lattice_world(false);
+  const Motion still{[](const dvec3& p) { return p; }};
+  const Scene scene = scene_of(world, still, in_order(world.shapes.size()));
+  RayBatch rays = rays_of(world, still);
+  while (rays.size() < 5000) rays.append(RayBatch(rays));  // several slices
+  const auto order = shuffled(rays.size());
+  RayBatch other;
+  for (const std::size_t i : order) other.push_back(rays[i]);
+  on_each_isa([&](Isa isa) {
+    const HitBatch expected = trace(scene, rays, isa, 1);
+    for (const auto& [packet, threads] : {std::pair{3, 2}, {kMaxPacket, 7}}) {
+      const HitBatch shuffled_hits = trace(scene, other, isa, packet, threads);
+      HitBatch hits;
+      hits.resize(rays.size());
+      for (std::size_t k = 0; k < order.size(); ++k) {
+        hits.t[order[k]] = shuffled_hits.t[k];
+        hits.prim[order[k]] = shuffled_hits.prim[k];
+        hits.u[order[k]] = shuffled_hits.u[k];
+        hits.v[order[k]] = shuffled_hits.v[k];
+      }
+      expect_same(hits, expected);
+    }
+  });
+}
+
+TEST_P(Metamorphic, InvalidRaysLeaveTheOtherLanesAlone) {
+  const World world = lattice_world(false);
+  const Motion still{[](const dvec3& p) { return p; }};
+  const Scene scene = scene_of(world, still, in_order(world.shapes.size()));
+  const RayBatch rays = rays_of(world, still);
+  RayBatch spoilt = rays;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  std::vector<bool> invalid(rays.size());
+  for (std::size_t i = 0; i < rays.size(); i += 3) {
+    Ray ray = rays[i];
+    float* const field[8] = {ray.org, ray.org + 1, ray.org + 2, ray.dir, ray.dir + 1, ray.dir + 2, &ray.t_min, &ray.t_max};
+    *field[i / 3 % 8] = i % 2 == 0 || i / 3 % 8 >= 6 ? kNan : kInf;
+    spoilt.set(i, ray);
+    invalid[i] = true;
+  }
+  on_each_isa([&](Isa isa) {
+    HitBatch expected = trace(scene, rays, isa, 1);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      if (!invalid[i]) continue;
+      expected.t[i] = kInf;
+      expected.prim[i] = -1;
+      expected.u[i] = expected.v[i] = 0;
+    }
+    for (const int packet : {simd_width(isa), kMaxPacket}) expect_same(trace(scene, spoilt, isa, packet), expected);
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Structures, Metamorphic, testing::ValuesIn([] {
+                           std::vector<const StructureEntry*> rows;
+                           for (const StructureEntry& row : structures()) rows.push_back(&row);
+                           return rows;
+                         }()),
+                         [](const testing::TestParamInfo<const StructureEntry*>& row) { return std::string(row.param->name); });
+
+}  // namespace
+}  // namespace raymeter

@@ -1,0 +1,223 @@
+// No test of a bounding volume misses a ray that truly meets it: rays aimed at edges and silhouettes, volumes centred and far from the origin.
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include "core/bounds/aabb_volume.h"
+#include "core/bounds/kdop_volume.h"
+#include "core/bounds/obb_volume.h"
+#include "core/bounds/sphere_volume.h"
+#include "core/simd/isa.h"
+#include "experiments/micro/micro_kernel.h"
+#include "tests/support/random.h"
+#include "tests/support/slab_truth.h"
+#include "tests/support/test_rays.h"
+
+namespace raymeter {
+namespace {
+
+using glm::dvec3;
+using test::Random;
+using test::Slab;
+
+constexpr int kVolumes = 2500;  // in each place
+constexpr int kRaysPerVolume = 200;
+
+using VolumeKernel = MicroSums (*)(const MicroTargets&, const RayView&) noexcept;
+struct Kernels {
+  Isa isa;
+  VolumeKernel boxes, oriented, slabs, spheres;
+};
+template <Isa I>
+constexpr Kernels kernels_of() {
+  return {I, MicroKernel<I>::bounding_boxes, MicroKernel<I>::oriented_boxes, MicroKernel<I>::bounding_slabs, MicroKernel<I>::bounding_spheres};
+}
+constexpr std::array kKernels{kernels_of<Isa::scalar>(), kernels_of<Isa::sse42>(), kernels_of<Isa::avx2>(), kernels_of<Isa::avx512>()};
+
+void set(float (&out)[3], const dvec3& p) {
+  for (int a = 0; a < 3; ++a) out[a] = static_cast<float>(p[a]);
+}
+
+/// A volume as it is stored, and as pairs of planes.
+struct Target {
+  std::vector<float> data;
+  std::vector<Slab> slabs;
+  KdopLayout::Shared shared{};
+  double size = 1;
+  dvec3 middle{0.0};
+};
+
+Target box(const dvec3& place, Random& random) {
+  const double size = std::exp2(random.uniform(-6, 6));
+  const dvec3 low = place + 10.0 * random.in_cube(), extent = size * (random.in_cube(0.5) + 0.51);
+  Aabb aabb;
+  aabb.grow(glm::vec3(low));
+  aabb.grow(glm::vec3(low + extent));
+  Target target{std::vector<float>(6), {}, {}, size, low};
+  AabbVolume{}.write(aabb, target.data.data());
+  for (int a = 0; a < 3; ++a) {
+    Slab slab{{}, {}, aabb.min[a], aabb.max[a]};
+    slab.normal[a] = 1;
+    target.slabs.push_back(slab);
+  }
+  return target;
+}
+
+Target oriented_box(const dvec3& place, Random& random) {
+  const double size = std::exp2(random.uniform(-6, 6));
+  Obb obb;
+  obb.center = glm::vec3(place + 10.0 * random.in_cube());
+  obb.half = glm::vec3(size * (random.in_cube(0.5) + 0.51));
+  const dvec3 x = random.direction(), y = glm::normalize(glm::cross(x, random.direction()));
+  obb.axis = {glm::vec3(x), glm::vec3(y), glm::vec3(glm::cross(x, y))};
+  Target target{std::vector<float>(16), {}, {}, size, dvec3(obb.center)};
+  ObbVolume{}.write(obb, target.data.data());
+  for (std::size_t i = 0; i < 3; ++i) {
+    Slab slab{{}, {}, -obb.half[static_cast<glm::length_t>(i)], obb.half[static_cast<glm::length_t>(i)]};
+    set(slab.normal, dvec3(obb.axis[i]));
+    set(slab.origin, dvec3(obb.center));
+    target.slabs.push_back(slab);
+  }
+  return target;
+}
+
+Target bounding_slabs(const dvec3& place, Random& random) {
+  const double size = std::exp2(random.uniform(-6, 6));
+  const dvec3 at = place + 10.0 * random.in_cube();
+  Scene scene;
+  for (int k = 0; k < 3; ++k) scene.add_triangle(at + size * random.in_cube(), at + size * random.in_cube(), at + size * random.in_cube());
+  scene.add_sphere(place, 12);
+  scene.finish();
+  constexpr std::array kSizes{6, 8, 14, 26};
+  const KdopVolume volume(scene, kSizes[random.below(kSizes.size())]);
+  const std::array prims{scene.prim(0), scene.prim(1), scene.prim(2)};
+  const Kdop kdop = volume.fit(scene, prims);
+  Target target{std::vector<float>(static_cast<std::size_t>(volume.floats())), {}, volume.shared(), size, at};
+  volume.write(kdop, target.data.data());
+  for (std::size_t i = 0; i < volume.directions().size(); ++i) {
+    Slab slab{{}, {}, kdop.min[i], kdop.max[i]};
+    set(slab.normal, dvec3(volume.directions()[i]));
+    set(slab.origin, dvec3(volume.origin()));
+    target.slabs.push_back(slab);
+  }
+  return target;
+}
+
+/// A point where planes of two slabs cross, inside a third: of an edge, perhaps of one that other slabs cut off.
+dvec3 edge_point(const Target& target, Random& random) {
+  for (;;) {
+    const std::size_t n = target.slabs.size(), i = random.below(n), j = (i + 1 + random.below(n - 1)) % n, k = random.below(n);
+    if (k == i || k == j) continue;
+    glm::dmat3 rows(0.0);
+    dvec3 height(0.0);
+    glm::length_t row = 0;
+    for (const std::size_t s : {i, j, k}) {
+      const Slab& slab = target.slabs[s];
+      const dvec3 normal(slab.normal[0], slab.normal[1], slab.normal[2]), origin(slab.origin[0], slab.origin[1], slab.origin[2]);
+      const double share = s == k ? random.uniform() : static_cast<double>(random.below(2));
+      for (glm::length_t a = 0; a < 3; ++a) rows[a][row] = normal[a];
+      height[row++] = glm::dot(normal, origin) + double{slab.low} + share * (double{slab.high} - double{slab.low});
+    }
+    if (std::abs(glm::determinant(rows)) > 1e-3) return glm::inverse(rows) * height;
+  }
+}
+
+Ray aimed(const dvec3& at, double size, Random& random) {
+  const dvec3 org(glm::vec3(at + size * std::pow(10.0, random.uniform(-1, 3)) * random.direction()));
+  dvec3 dir = at - org;
+  if (dir != dvec3(0)) dir = glm::normalize(dir);
+  if (random.below(4) == 0) dir[static_cast<glm::length_t>(random.below(3))] = random.below(2) == 0 ? 0.0 : -0.0;  // along planes
+  if (dir == dvec3(0)) dir.x = 1;
+  return test::make_ray(org, dir);
+}
+
+/// Rays of all volumes that truly meet theirs, and those that each instruction set loses.
+struct Count {
+  std::int64_t rays = 0;
+  std::array<double, kKernels.size()> met{};
+};
+
+void trace(const Target& target, const RayBatch& rays, VolumeKernel Kernels::*kernel, Count& count) {
+  count.rays += static_cast<std::int64_t>(rays.size());
+  const MicroTargets targets{{}, target.data.data(), static_cast<std::int32_t>(target.data.size()), target.shared, 1};
+  for (std::size_t k = 0; k < kKernels.size(); ++k) {
+    if (available(kKernels[k].isa) && rays.size() > 0) count.met[k] += double{(kKernels[k].*kernel)(targets, rays.view()).hits};
+  }
+}
+
+void expect_all_met(const Count& count, std::int64_t at_least) {
+  EXPECT_GE(count.rays, at_least);
+  for (std::size_t k = 0; k < kKernels.size(); ++k) {
+    if (!available(kKernels[k].isa)) continue;
+    EXPECT_EQ(count.met[k], static_cast<double>(count.rays)) << name(kKernels[k].isa);
+  }
+}
+
+const std::array kPlaces{dvec3(0.0), 1e5 * dvec3(1, 1.3, 1.6)};
+
+template <class Make>
+void expect_no_false_misses(Make make, VolumeKernel Kernels::*kernel) {
+  Random random(10);
+  Count count;
+  for (const dvec3& place : kPlaces) {
+    for (int v = 0; v < kVolumes; ++v) {
+      const Target target = make(place, random);
+      RayBatch rays;
+      for (int k = 0; k < kRaysPerVolume; ++k) {
+        const Ray ray = aimed(edge_point(target, random), target.size, random);
+        if (test::truly_meets(ray, target.slabs)) rays.push_back(ray);
+      }
+      trace(target, rays, kernel, count);
+    }
+  }
+  expect_all_met(count, kVolumes * kRaysPerVolume / 4);
+}
+
+TEST(VolumeKernels, BoxesMissNoRay) { expect_no_false_misses(box, &Kernels::boxes); }
+TEST(VolumeKernels, OrientedBoxesMissNoRay) { expect_no_false_misses(oriented_box, &Kernels::oriented); }
+TEST(VolumeKernels, SlabsMissNoRay) { expect_no_false_misses(bounding_slabs, &Kernels::slabs); }
+
+TEST(VolumeKernels, SpheresMissNoRay) {
+  Random random(11);
+  Count count;
+  for (const dvec3& place : kPlaces) {
+    for (int v = 0; v < kVolumes; ++v) {
+      const double size = std::exp2(random.uniform(-6, 6));
+      const BoundingSphere sphere{glm::vec3(place + 10.0 * random.in_cube()), static_cast<float>(size)};
+      Target target{std::vector<float>(4), {}, {}, size, dvec3(sphere.center)};
+      SphereVolume{}.write(sphere, target.data.data());
+      RayBatch rays;
+      for (int k = 0; k < kRaysPerVolume; ++k) {
+        const dvec3 away = random.direction(), across = glm::normalize(glm::cross(away, random.direction()));
+        const Ray ray = aimed(dvec3(sphere.center) + size * across, size, random);
+        float center[3];
+        set(center, dvec3(sphere.center));
+        if (test::truly_meets_ball(ray, center, sphere.radius)) rays.push_back(ray);
+      }
+      trace(target, rays, &Kernels::spheres, count);
+    }
+  }
+  expect_all_met(count, kVolumes * kRaysPerVolume / 4);
+}
+
+TEST(VolumeKernels, EmptyAndInvertedBoxesAreMissed) {
+  const float inf = std::numeric_limits<float>::infinity();
+  const std::array<float, 6> empty{inf, inf, inf, -inf, -inf, -inf};
+  Random random(12);
+  RayBatch rays;
+  for (int k = 0; k < 1000; ++k) rays.push_back(aimed(random.in_cube(), 1, random));
+  for (int k = 0; k < 8; ++k) rays.push_back(Ray{{0, 0, 0}, 0, {k & 1 ? 0.0f : -0.0f, k & 2 ? 1.0f : 0.0f, k & 4 ? 1.0f : -1.0f}, inf});
+  for (const Kernels& kernels : kKernels) {
+    if (!available(kernels.isa)) continue;
+    EXPECT_EQ(kernels.boxes({{}, empty.data(), 6, {}, 1}, rays.view()).hits, 0) << name(kernels.isa);
+  }
+}
+
+}  // namespace
+}  // namespace raymeter
