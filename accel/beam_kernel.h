@@ -23,17 +23,18 @@ inline constexpr float kSlimBeam = 0.02f;
 
 /// A line x(c) = at_zero + slope c.
 struct BeamLine {
-  float at_zero;
-  float slope;
+  float at_zero = 0;
+  float slope = 0;
 };
 
 /// c is the plain coordinate along `axis`, whichever way the rays go.
 struct Beam {
-  int axis = -1;     ///< k; -1: the rays have no beam in common
-  int across[2];     ///< the other two axes
-  float sign;        ///< of the rays' direction along k
-  float begin, end;  ///< planes between which hits can lie, times `sign`
-  float padding;
+  int axis = -1;       ///< k; -1: the rays have no beam in common
+  int across[2] = {};  ///< the other two axes
+  float sign = 1;      ///< of the rays' direction along k
+  float begin = 0;     ///< plane, times `sign`, from which hits can lie on
+  float end = 0;       ///< and the one that they can lie up to
+  float padding = 0;
   bool slim = false;
   BeamLine low[2];   ///< below all rays, by `across`
   BeamLine high[2];  ///< above all rays

@@ -4,6 +4,7 @@
 
 #include "accel/beam_kernel.h"
 #include "core/scene/pools_view.h"
+#include "core/scene/primitive.h"
 
 namespace raymeter {
 

@@ -124,7 +124,9 @@ TEST(RayClassification, BeamsOfPacketsSaveTestsAndChangeNoAnswer) {
       }
       test::expect_same_hits(traced[1].hits, traced[0].hits, *rays);
       for (std::size_t i = 0; i < rays->size(); ++i) EXPECT_EQ(traced[1].blockers[i] < 0, traced[0].blockers[i] < 0) << i;
-      if (rays == &coherent) EXPECT_LT(traced[1].closest.live(Event::prim_test), traced[0].closest.live(Event::prim_test)) << name;
+      if (rays == &coherent) {
+        EXPECT_LT(traced[1].closest.live(Event::prim_test), traced[0].closest.live(Event::prim_test)) << name;
+      }
     }
   }
 }
