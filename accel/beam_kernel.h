@@ -162,7 +162,7 @@ inline BeamEnds beam_ends(const Packet<L, kGroups>& packet, const Beam& beam) no
 }
 
 /// Draws the lines through the beam's ends. Returns false where the beam is not finite.
-inline bool set_lines(const BeamEnds& ends, float scene_extent, Beam& beam) noexcept {
+[[gnu::always_inline]] inline bool set_lines(const BeamEnds& ends, float scene_extent, Beam& beam) noexcept {
   const float length = beam.end - beam.begin;
   const float per_length = 1.0f / (length > 0x1p-126f ? length : 0x1p-126f);
   float width = 0;
