@@ -56,7 +56,8 @@ template <class L, bool kExpectHits = false>
   const Float most = L::max(L::max(weight_a, weight_b), weight_c);
   const Float det = weight_a + weight_b + weight_c;
   SurfaceHit<L> hit{{}, zero, zero, zero};
-  hit.meets = ((least >= zero) | (most <= zero)) & (det != zero);
+  // What is seen so nearly edge-on that 1 / det is no float is not seen.
+  hit.meets = ((least >= zero) | (most <= zero)) & (L::abs(det) >= Float(0x1p-126f));
   if (!kExpectHits && L::none(hit.meets)) return hit;
   const Float inv_det = Float(1.0f) / det;
   // At a vertex t is that vertex's in all triangles that share it, so that the tie goes to the smallest id. Where all three are equally deep, t is that depth.

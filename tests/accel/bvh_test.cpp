@@ -113,8 +113,8 @@ TEST(BinnedSah, EndsOnDegenerateInput) {
     EXPECT_EQ(tree.order.size(), static_cast<std::size_t>(count));
     EXPECT_LE(tree_stats(tree).max_depth.value(), 20);
   }
-  Scene growing;  // each sphere ten times as far as the one before
-  for (int i = 0; i < 76; ++i) growing.add_sphere({std::pow(10.0, i - 38), 0, 0}, 0);
+  Scene growing;  // each sphere five times as far as the one before
+  for (int i = 0; i < 76; ++i) growing.add_sphere({std::pow(5.0, i - 50), 0, 0}, 0);
   EXPECT_EQ(build_binned_sah(growing, {}, 1).order.size(), 76u);
 }
 
