@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -45,13 +46,44 @@ std::vector<PrimRef> facets(const Scene& scene) {
   return refs;
 }
 
+/// Without those that lie on one another in pairs, as in a sheet of two sides: no solid lies between them.
+std::vector<PrimRef> bounding_facets(const Scene& scene) {
+  std::vector<std::pair<std::vector<Vertex>, PrimRef>> outlines;
+  for (const PrimRef ref : facets(scene)) {
+    std::vector<Vertex> outline(vertex_count(scene.pools(), ref));
+    for (std::size_t k = 0; k < outline.size(); ++k) outline[k] = vertex(scene.pools(), ref, k);
+    std::ranges::sort(outline);
+    outlines.emplace_back(std::move(outline), ref);
+  }
+  std::ranges::sort(outlines, {}, [](const auto& one) -> const std::vector<Vertex>& { return one.first; });
+  std::vector<PrimRef> left;
+  for (std::size_t first = 0; first < outlines.size();) {
+    std::size_t end = first + 1;
+    while (end < outlines.size() && outlines[end].first == outlines[first].first) ++end;
+    if ((end - first) % 2 != 0) left.push_back(outlines[first].second);
+    first = end;
+  }
+  return left;
+}
+
 dvec3 point(const Vertex& v) noexcept { return {v[0], v[1], v[2]}; }
+
+/// Lets rays that start on the scene's box, on one of whose sides facets may lie, start well outside it.
+void start_outside(RayBatch& lines) {
+  double reach2 = 0;
+  for (const Column<float>& org : lines.org) {
+    const auto [least, most] = std::minmax_element(org.begin(), org.end());
+    if (!org.empty()) reach2 += (double{*most} - double{*least}) * (double{*most} - double{*least});
+  }
+  std::fill(lines.t_min.begin(), lines.t_min.end(), static_cast<float>(-0.01 * std::sqrt(reach2)));
+}
 
 /// Middles of chords: lines at random through the scene's box, from where they enter the scene to where they leave it again.
 std::vector<dvec3> inner_points(const Scene& scene, std::uint64_t seed, const Intersector& tracer, int threads) {
   constexpr int kLines = 1024;
   constexpr double kShort = 1e-2;  // of the longest chord: a line that only grazes is in doubt
   RayBatch lines = make_rays(scene, RayKind::random, {scene.camera, CameraConvention::pixel, kLines, 1}, seed, tracer, threads).rays;
+  start_outside(lines);
   HitBatch enter, leave;
   trace_closest(tracer, lines, enter, threads);
   for (std::size_t i = 0; i < lines.size(); ++i) lines.t_min[i] = std::nextafter(enter.t[i], std::numeric_limits<float>::infinity());
@@ -87,11 +119,11 @@ dvec3 aim(const Pools& pools, PrimRef ref, RayKind kind, RandomStream& random) {
 }  // namespace
 
 bool is_closed(const Scene& scene) {
-  std::vector<std::array<Vertex, 2>> edges;
   for (std::int32_t prim = 0; prim < scene.prim_id_count(); ++prim) {
-    const PrimRef ref = scene.prim(prim);
-    if (ref.dropped()) continue;
-    if (!is_facet(ref)) return false;
+    if (!scene.prim(prim).dropped() && !is_facet(scene.prim(prim))) return false;
+  }
+  std::vector<std::array<Vertex, 2>> edges;
+  for (const PrimRef ref : bounding_facets(scene)) {
     Vertex a = vertex(scene.pools(), ref, 0);
     for (std::size_t k = 1; k <= vertex_count(scene.pools(), ref); ++k) {
       const Vertex b = vertex(scene.pools(), ref, k);

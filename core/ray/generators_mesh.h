@@ -6,8 +6,8 @@
 
 namespace raymeter {
 
-/// Whether triangles and polygons alone bound a solid: each edge, by the coordinates of its ends, belongs to an even number of them. Then every ray from
-/// inside meets the surface, whatever edge or vertex it passes.
+/// Whether triangles and polygons alone bound a solid: each edge, by the coordinates of its ends, belongs to an even number of them, not counting pairs that
+/// lie on one another. Then every ray from inside meets the surface, whatever edge or vertex it passes.
 [[nodiscard]] bool is_closed(const Scene& scene);
 
 /// `count` rays of RayKind vertices, edges or faces. They start in the middle of chords that lines cut out of the scene, which is inside of what is closed;

@@ -209,6 +209,49 @@ TEST(Generators, RaysAtAClosedMeshAllHit) {
   EXPECT_FALSE(is_closed(ball_on_floor()));
 }
 
+/// Six sides of two triangles each.
+void add_box(Scene& scene, const glm::dvec3& low, double size) {
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 across(0.0), up(0.0);
+    across[(axis + 1) % 3] = up[(axis + 2) % 3] = size;
+    for (const double side : {0.0, size}) {
+      glm::dvec3 a = low;
+      a[axis] += side;
+      scene.add_triangle(a, a + across, a + across + up);
+      scene.add_triangle(a, a + across + up, a + up);
+    }
+  }
+}
+
+TEST(Generators, RaysAtAMeshStartInsideOfItsSolids) {
+  for (const double scale : {0.3, 0.7, 1.0, 1.9, 3.3, 11.7}) {
+    Scene boxes;  // with facets in the sides of the scene's box
+    add_box(boxes, {0.1 * scale, 0.2 * scale, 0.3 * scale}, 0.7 * scale);
+    add_box(boxes, glm::dvec3(1.3 * scale), 0.7 * scale);
+    boxes.camera = tetrahedron(true).camera;
+    boxes.finish();
+    const Traced list = list_over(boxes);
+    for (const RayKind kind : {RayKind::vertices, RayKind::edges, RayKind::faces}) {
+      const RaySet set = rays_of(boxes, kind);
+      EXPECT_EQ(set.expected.prim.size(), set.rays.size());
+      HitBatch hits;
+      trace_closest(*list.tracer, set.rays, hits, 1);
+      EXPECT_EQ(std::count(hits.prim.begin(), hits.prim.end(), -1), 0) << name(kind) << ", scale " << scale;
+    }
+  }
+}
+
+TEST(Generators, ASheetOfTwoSidesIsNotClosed) {
+  Scene sheet;
+  const glm::dvec3 a(0, 0, 0), b(1, 0, 0), c(1, 1, 0), d(0, 1, 0);
+  for (const bool back : {false, true}) {
+    sheet.add_triangle(a, back ? c : b, back ? b : c);
+    sheet.add_triangle(a, back ? d : c, back ? c : d);
+  }
+  sheet.finish();
+  EXPECT_FALSE(is_closed(sheet));
+}
+
 TEST(Generators, EveryEighthRayIsInvalid) {
   const Scene scene = ball_on_floor();
   const RaySet set = rays_of(scene, RayKind::invalid), valid = rays_of(scene, RayKind::primary);
