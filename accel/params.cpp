@@ -106,8 +106,8 @@ void check_used(std::span<const ParamInfo> infos, const std::string& key, const 
     return std::any_of(setting.begin(), setting.end(), [&](const auto& entry) { return entry.first == key; });
   };
   if (std::any_of(settings.begin(), settings.end(), has)) return;
-  throw Error(key + ": does nothing beside the other parameters, expected its default, " + to_string(info->default_value) + ", got " + to_string(value) +
-              "; it is for " + std::string(info->help));
+  throw Error(key + ": does nothing beside the other parameters, expected its default, " + to_string(info->default_value) + ", got " + to_string(value) + " (" +
+              std::string(info->help) + ")");
 }
 
 }  // namespace raymeter

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "accel/shadow_cache/shadow_cache.h"
 #include "core/base/column.h"
@@ -44,15 +45,15 @@ private:
   };
 
   [[nodiscard]] std::size_t place(const ShadowOrigins& origins, std::size_t i) const noexcept {
-    if (!object_.empty()) return static_cast<std::size_t>(object_[static_cast<std::size_t>(origins.source[i])]);
+    if (object_ != nullptr) return static_cast<std::size_t>((*object_)[static_cast<std::size_t>(origins.source[i])]);
     return by_node_ ? static_cast<std::size_t>(origins.node) : 0;
   }
 
   const Scene& scene_;
   bool by_node_;
   bool forgets_;
-  Column<std::int32_t> object_;  ///< of each primitive; empty where entries do not go by object
-  std::size_t stride_;           ///< entries of a light
+  std::shared_ptr<const Column<std::int32_t>> object_;  ///< of each primitive, shared by copies; null where entries do not go by object
+  std::size_t stride_;                                  ///< entries of a light
   Column<Entry> entries_;
   std::uint32_t age_ = 1;  ///< what was learnt at other ages is forgotten
 };

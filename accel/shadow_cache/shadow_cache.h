@@ -30,9 +30,14 @@ struct ShadowCacheParams {
          0,
          {"serial", "batch"},
          kQuery},
-        where<ShadowCacheParams>(
-            [](const ShadowCacheParams& p) { return p.update == "batch"; },
-            {"batch", &ShadowCacheParams::batch, "rays of a batch: fewer learn sooner, more share packets and threads", 1, 1 << 20, {}, kQuery}),
+        where<ShadowCacheParams>([](const ShadowCacheParams& p) { return p.update == "batch"; },
+                                 {"batch",
+                                  &ShadowCacheParams::batch,
+                                  "rays of a batch, in images within a tile of 4096 pixels: fewer learn sooner, more share packets and threads",
+                                  1,
+                                  1 << 20,
+                                  {},
+                                  kQuery}),
         {"forget", &ShadowCacheParams::forget, "a ray that nothing blocks empties its entry", 0, 0, {}, kQuery}};
   }
 };

@@ -48,6 +48,7 @@ public:
       : table_(scene, params), test_(scene, isa, 1), intersector_(intersector), scratch_(std::max<std::size_t>(64, intersector.scratch_bytes())) {}
 
   void begin() override { table_.clear(); }
+  [[nodiscard]] bool needs_order() const noexcept override { return true; }
   [[nodiscard]] std::unique_ptr<Occlusion> for_tiles() const override { return nullptr; }
   void find(const RayBatch& rays, const ShadowOrigins& origins, Column<std::int32_t>& blocker, int, Counters* counters) override {
     blocker.resize(rays.size());

@@ -17,8 +17,9 @@ public:
   virtual ~Occlusion() = default;
   /// A frame, a pass or a tile begins: forgets what earlier rays taught, so that counts and times do not depend on them.
   virtual void begin() {}
-  /// One of its own for a thread that traces tiles of a frame beside other threads: each tile begins it anew. Null where rays must come in the frame's order:
-  /// then its tiles are traced one after another, and the frame alone begins it.
+  /// Whether rays must come in the frame's order: then its tiles are traced one after another, and the frame alone begins it.
+  [[nodiscard]] virtual bool needs_order() const noexcept { return false; }
+  /// One of its own for a thread that traces tiles of a frame beside other threads: each tile begins it anew. Null where order is needed.
   [[nodiscard]] virtual std::unique_ptr<Occlusion> for_tiles() const = 0;
   /// blocker[i]: some primitive that blocks ray i, -1 where it is free. Batches of a frame, or of a tile, come in a fixed order, whatever the threads.
   virtual void find(const RayBatch& rays, const ShadowOrigins& origins, Column<std::int32_t>& blocker, int threads, Counters* counters) = 0;

@@ -39,7 +39,7 @@ void TileTracer::trace_tile(const Column<std::int32_t>& pixels) {
   deepest_.assign(size, 0);
   if (options.bound) cut_.assign(size, glm::dvec3(0));
   eye_.resize(size);
-  eye_rays(options.model, pixels, eye_.rays);
+  eye_rays(options.model, pixels, eye_.rays, threads_);
   for (std::size_t i = 0; i < size; ++i) eye_.slot[i] = static_cast<std::int32_t>(i);
   std::fill(eye_.weight.begin(), eye_.weight.end(), glm::vec3(1));
   follow(eye_, pixels);

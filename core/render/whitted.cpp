@@ -102,7 +102,7 @@ Rendering render(const Scene& scene, FirstHit& first_hit, Intersector& intersect
   before.measure(FramePhase::first_hit, 0, false, [&](Counters*) { first_hit.begin(model, options.threads); });
   before.measure(FramePhase::shadow, 0, false, [&](Counters*) { occlusion.begin(); });
   if (options.termination.traces_eye_rays()) {
-    const bool in_order = intersector.keeps_batch() || occlusion.for_tiles() == nullptr;
+    const bool in_order = intersector.keeps_batch() || occlusion.needs_order();
     in_order ? trace_in_order(frame, occlusion, out) : trace_side_by_side(frame, occlusion, out);
   }
   const double wall_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

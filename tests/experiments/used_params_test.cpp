@@ -28,14 +28,12 @@ TEST(UsedParams, AreAllThatIsResolved) {
 
 TEST(UsedParams, OthersAreRefusedUnlessTheyAreAtTheirDefaults) {
   EXPECT_EQ(params_text(parse_technique("list:k=14").params), "volume=none");
-  expect_error_message(
-      [] { (void)parse_technique("list:volume=aabb,k=26"); },
-      "list:k: does nothing beside the other parameters, expected its default, 14, got 26; it is for kdop without directions: planes; 6, 8, 12, 14, "
-      "18, 20 or 26");
-  expect_error_message(
-      [] { (void)cells(R"({"name": "bvh", "volume": ["aabb", "sphere"], "k": 26})"); },
-      "matrix.structure.k: does nothing beside the other parameters, expected its default, 14, got 26; it is for kdop without directions: planes; 6, "
-      "8, 12, 14, 18, 20 or 26");
+  expect_error_message([] { (void)parse_technique("list:volume=aabb,k=26"); },
+                       "list:k: does nothing beside the other parameters, expected its default, 14, got 26 (kdop without directions: planes; 6, 8, 12, 14, "
+                       "18, 20 or 26)");
+  expect_error_message([] { (void)cells(R"({"name": "bvh", "volume": ["aabb", "sphere"], "k": 26})"); },
+                       "matrix.structure.k: does nothing beside the other parameters, expected its default, 14, got 26 (kdop without directions: planes; 6, "
+                       "8, 12, 14, 18, 20 or 26)");
 }
 
 TEST(UsedParams, MakeTheCellsOfAProduct) {
