@@ -30,7 +30,7 @@ void AutoIntersector::prepare(const RayView& rays, Query query, int) {
     slice.t_min += first;
     slice.t_max += first;
     slice.count = std::min(kSliceRays, rays.count - first);
-    found |= suits_beams(slice) ? beam : stream;
+    found |= query == Query::closest && suits_beams(slice) ? beam : stream;
   }
   choice_[static_cast<std::size_t>(query)] = found;
 }
@@ -51,7 +51,7 @@ void AutoIntersector::closest_hit(const RayView& rays, const HitView& hits, Coun
 }
 
 void AutoIntersector::any_hit(const RayView& rays, std::int32_t* blocker, Counters* counters, std::byte* scratch) const noexcept {
-  suited(rays).any_hit(rays, blocker, counters, scratch);
+  streams_->any_hit(rays, blocker, counters, scratch);
 }
 
 }  // namespace raymeter
