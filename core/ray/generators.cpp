@@ -112,13 +112,13 @@ RaySet with_invalid(RaySet set, std::uint64_t seed) {
   return set;
 }
 
-RaySet shadow_rays(const Scene& scene, const std::vector<PrimaryHit>& hits) {
+RaySet shadow_rays(const Scene& scene, const std::vector<PrimaryHit>& hits, int threads) {
   RaySet set = resized(0, Query::any);
-  for (std::size_t light = 0; light < scene.lights.size(); ++light) {
-    const dvec3& position = scene.lights[light].position;
+  const std::vector<LightTarget> targets = light_targets(scene, scene.lights, threads);
+  for (std::size_t light = 0; light < targets.size(); ++light) {
     for (const PrimaryHit& hit : hits) {
-      if (glm::dot(hit.surface.shading, position - hit.surface.point) <= 0) continue;
-      set.rays.push_back(spawn_ray_to(hit.surface, position));
+      if (glm::dot(hit.surface.shading, targets[light].light - hit.surface.point) <= 0) continue;
+      set.rays.push_back(spawn_ray_to(hit.surface, targets[light]));
       set.pixel.push_back(hit.pixel);
       set.origins.push_back(static_cast<std::int32_t>(light), hit.prim);
     }
@@ -206,7 +206,7 @@ RaySet make_rays(const Scene& scene, RayKind kind, const CameraModel& model, std
     return spawn_ray(hit.surface, cosine_direction(hit.surface.geometric, random));
   };
   switch (kind) {
-    case RayKind::shadow: return shadow_rays(scene, hits);
+    case RayKind::shadow: return shadow_rays(scene, hits, threads);
     case RayKind::reflection:
       return rays_from_hits(hits, 1, Query::closest, threads,
                             [](const PrimaryHit& hit, int) noexcept { return spawn_ray(hit.surface, glm::reflect(hit.dir, hit.surface.shading)); });

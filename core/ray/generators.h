@@ -22,7 +22,7 @@ namespace raymeter {
 enum class RayKind : std::uint8_t {
   primary,     ///< eye rays, in the order of PixelOrder
   shadow,      ///< from each primary hit to each light that the surface faces on the eye's side, all hits for light 0, then for light 1...; the light is at
-               ///< t = 1 and excluded (t_max one ulp below)
+               ///< t = 1 and excluded (t_max one ulp below), lifted off the surfaces that it lies on (scene/light_target.h)
   reflection,  ///< the mirrored eye ray at each primary hit, whatever the material, about the shading normal
   ambient_occlusion,  ///< kAmbientOcclusionSamples per primary hit, cosine-weighted about the geometric normal on the eye's side, no longer than
                       ///< kAmbientOcclusionReach of the diagonal of the scene's box

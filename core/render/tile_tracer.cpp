@@ -135,7 +135,7 @@ void TileTracer::add_light(std::size_t light_number, std::int32_t node) {
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const ShadingPoint& point = points_[i];
     if (!faces(point, light)) continue;
-    shadow_.rays.set(count, spawn_ray_to(point.surface, light.position, frame_.rules.distance_min));
+    shadow_.rays.set(count, spawn_ray_to(point.surface, frame_.lights[light_number], frame_.rules.distance_min));
     shadow_.origins.light[count] = static_cast<std::int32_t>(light_number);
     shadow_.origins.source[count] = point.prim;
     shadow_.point[count] = static_cast<std::int32_t>(i);

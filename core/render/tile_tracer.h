@@ -7,6 +7,7 @@
 #include "core/render/generation.h"
 #include "core/render/shading.h"
 #include "core/render/whitted.h"
+#include "core/scene/light_target.h"
 #include "core/scene/scene_needs.h"
 
 namespace raymeter {
@@ -19,6 +20,7 @@ struct TracedFrame {
   const RenderOptions& options;
   SceneNeeds needs;
   SurfaceRules rules;
+  std::vector<LightTarget> lights;  ///< the scene's
   std::vector<glm::dvec3> largest;  ///< radiance by generations that are left, where bounds are worked out
   Image& image;
   Column<glm::vec3>& bound;

@@ -90,8 +90,8 @@ Rendering render(const Scene& scene, FirstHit& first_hit, Intersector& intersect
   const CameraModel& model = options.model;
   Rendering out;
   out.image = {model.width, model.height, Column<glm::vec3>(static_cast<std::size_t>(model.pixel_count()), glm::vec3(0))};
-  TracedFrame frame{scene, first_hit, intersector, options, options.general ? all_needs() : needs_of(scene), surface_rules(model.convention),
-                    {},    out.image, out.bound};
+  TracedFrame frame{scene, first_hit, intersector, options,  options.general ? all_needs() : needs_of(scene), surface_rules(model.convention),
+                    {},    {},        out.image,   out.bound};
   if (options.bound) {
     frame.largest = largest_radiance(scene, options.termination.max_depth);
     out.bound.resize(out.image.pixel.size(), glm::vec3(0));
@@ -100,7 +100,10 @@ Rendering render(const Scene& scene, FirstHit& first_hit, Intersector& intersect
   Occlusion& occlusion = options.occlusion != nullptr ? *options.occlusion : traced;
   FrameTotals before;
   before.measure(FramePhase::first_hit, 0, false, [&](Counters*) { first_hit.begin(model, options.threads); });
-  before.measure(FramePhase::shadow, 0, false, [&](Counters*) { occlusion.begin(); });
+  before.measure(FramePhase::shadow, 0, false, [&](Counters*) {
+    frame.lights = options.lights != nullptr ? *options.lights : light_targets(scene, scene.lights, options.threads);
+    occlusion.begin();
+  });
   if (options.termination.traces_eye_rays()) {
     const bool in_order = intersector.keeps_batch() || occlusion.needs_order();
     in_order ? trace_in_order(frame, occlusion, out) : trace_side_by_side(frame, occlusion, out);

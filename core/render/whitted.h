@@ -1,11 +1,14 @@
 #pragma once
 
+#include <vector>
+
 #include "core/render/first_hit.h"
 #include "core/render/frame_phases.h"
 #include "core/render/image.h"
 #include "core/render/occlusion.h"
 #include "core/render/ray_counts.h"
 #include "core/render/termination.h"
+#include "core/scene/light_target.h"
 #include "core/scene/scene.h"
 #include "core/trace/intersector.h"
 
@@ -14,11 +17,12 @@ namespace raymeter {
 struct RenderOptions {
   CameraModel model;
   Termination termination;
-  int threads = 0;                 ///< 0: all
-  bool count = false;              ///< the counting kernels trace
-  Occlusion* occlusion = nullptr;  ///< what answers shadow rays; null: the intersector
-  bool bound = false;              ///< Rendering::bound is worked out
-  bool general = false;            ///< runs what any scene may need, not only what this one does: to the same image, for comparison
+  int threads = 0;                                   ///< 0: all
+  bool count = false;                                ///< the counting kernels trace
+  Occlusion* occlusion = nullptr;                    ///< what answers shadow rays; null: the intersector
+  bool bound = false;                                ///< Rendering::bound is worked out
+  bool general = false;                              ///< runs what any scene may need, not only what this one does: to the same image, for comparison
+  const std::vector<LightTarget>* lights = nullptr;  ///< the scene's, where frames share them; null: they are found
 };
 
 struct Rendering {

@@ -131,8 +131,13 @@ Ray spawn_ray(const Surface& surface, const dvec3& dir, double distance_min) noe
 }
 
 Ray spawn_ray_to(const Surface& surface, const dvec3& target, double distance_min) noexcept {
-  Ray ray = lifted_ray(surface, target - surface.point);
-  set_direction(ray, target - dvec3(ray.org[0], ray.org[1], ray.org[2]), distance_min);
+  return spawn_ray_to(surface, LightTarget{target, {}}, distance_min);
+}
+
+Ray spawn_ray_to(const Surface& surface, const LightTarget& light, double distance_min) noexcept {
+  Ray ray = lifted_ray(surface, light.light - surface.point);
+  const dvec3 org(ray.org[0], ray.org[1], ray.org[2]);
+  set_direction(ray, light.seen_from(org) - org, distance_min);
   ray.t_max = 1 - kUnitRoundoff;
   return ray;
 }

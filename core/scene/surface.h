@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 
 #include "core/ray/ray_batch.h"
+#include "core/scene/light_target.h"
 #include "core/scene/scene.h"
 
 namespace raymeter {
@@ -29,5 +30,7 @@ struct Surface {
 [[nodiscard]] Ray spawn_ray(const Surface& surface, const glm::dvec3& dir, double distance_min = 0) noexcept;
 /// The same towards `target`, which lies at t = 1 and is excluded: t_max is one ulp below.
 [[nodiscard]] Ray spawn_ray_to(const Surface& surface, const glm::dvec3& target, double distance_min = 0) noexcept;
+/// The same towards a light, which no surface that it lies on hides: a shadow ray.
+[[nodiscard]] Ray spawn_ray_to(const Surface& surface, const LightTarget& light, double distance_min = 0) noexcept;
 
 }  // namespace raymeter

@@ -200,7 +200,7 @@ Problem shadow_ends(int, std::uint64_t) {
     for (int y = 1; y < 16; ++y) {
       const glm::dvec3 foot(x / 2.0, y / 2.0, 0);
       const Surface surface = surface_at(scene, ray(foot + kUp, -kUp), 1, y > x ? 1 : 0);
-      const glm::dvec3 light = foot + glm::dvec3(0, 0, 1);
+      const LightTarget light = light_targets(scene, std::array{Light{foot + kUp}}, 1)[0];
       add(problem, spawn_ray_to(surface, light), x >= 8 ? (y > 2 * (x - 8) ? 5 : 4) : kNothing);  // a blocker is all that counts
       problem.set.expected.source.push_back(y > x ? 1 : 0);
       add(problem, spawn_ray_to(surface, foot + glm::dvec3(3, 2, 0x1p-10)), kNothing);  // along the floor

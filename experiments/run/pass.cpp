@@ -101,8 +101,8 @@ FramePass run_frame(const Tracers& tracers, const Frame& frame, int threads, Ans
   FirstHit& first_hit = tracers.first_hit != nullptr ? *tracers.first_hit : cast;
   const double cpu_before = cpu_ms();
   const auto start = std::chrono::steady_clock::now();
-  Rendering rendering =
-      render(*frame.scene, first_hit, tracers.intersector, {frame.model, frame.termination, threads, count, tracers.occlusion, count, frame.general});
+  Rendering rendering = render(*frame.scene, first_hit, tracers.intersector,
+                               {frame.model, frame.termination, threads, count, tracers.occlusion, count, frame.general, frame.lights});
   const PassTime time{0, ms_since(start), cpu_ms() - cpu_before};
   answers.image = std::move(rendering.image);
   return {time, rendering.rays, std::move(rendering.depth), rendering.totals, std::move(rendering.bound)};

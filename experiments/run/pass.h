@@ -47,6 +47,7 @@ struct Frame {
   CameraModel model;
   Termination termination;
   bool general = false;  ///< see RenderOptions
+  const std::vector<LightTarget>* lights = nullptr;
 };
 
 struct FramePass {

@@ -102,6 +102,7 @@ void SceneRun::load() {
   const auto start = Clock::now();
   scene_ = std::make_unique<Scene>(load_scene(choice.spec));
   if (choice.view) apply(*choice.view, *scene_);
+  lights_ = light_targets(*scene_, scene_->lights, 0);
   const SceneRecord record{choice.name, hex_text(scene_->hash()), scene_->prim_count(), needs_of(*scene_).text(), scene_->mem_bytes(), ms_since(start)};
   const auto& known = context_.log.records().scenes;
   const auto before = known.find(choice.name);
@@ -189,7 +190,7 @@ SceneRun::Live SceneRun::make_live(const Experiment& cell, const RaySet* rays) c
   Live live;
   live.cell = &cell;
   live.rays = rays;
-  live.frame = {scene_.get(), {scene_->camera, cell.camera, cell.width, cell.height}, {cell.max_depth, cell.min_weight}, cell.general};
+  live.frame = {scene_.get(), {scene_->camera, cell.camera, cell.width, cell.height}, {cell.max_depth, cell.min_weight}, cell.general, &lights_};
   live.intersector = structures_.at(build_text(cell))->intersector({cell.isa, cell.packet, cell.params});
   const auto fill = [&](const auto& chosen, const auto& default_row, auto& slot) {
     if (chosen.entry != &default_row) slot = chosen.entry->make(*scene_, {cell.isa, cell.packet, cell.threads, chosen.params}, *live.intersector);

@@ -88,6 +88,7 @@ private:
   RunContext& context_;
   std::span<const Experiment> cells_;
   std::unique_ptr<Scene> scene_;
+  std::vector<LightTarget> lights_;
   std::unique_ptr<Oracle> oracle_;
   std::unique_ptr<Structure> list_;                               ///< the reference of all
   std::unique_ptr<Structure> bvh_;                                ///< finds what secondary rays start from
