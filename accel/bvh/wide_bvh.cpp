@@ -59,7 +59,7 @@ std::unique_ptr<Structure> build_wide_bvh(const Scene& scene, BvhTree tree, int 
   const Aabb box = tree.nodes.empty() ? Aabb{} : tree.nodes[0].box;
   WideTreeSettings settings;
   settings.max_leaf_size = max_leaf_size;
-  return std::make_unique<WideBvh>(scene, box, collapse_wide(scene, std::move(tree), settings));
+  return std::make_unique<WideBvh>(scene, box, collapse_wide(scene, std::move(tree), settings, threads));
 }
 
 }  // namespace raymeter

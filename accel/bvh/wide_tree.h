@@ -27,7 +27,7 @@ struct WideTree {
 
 /// Collapses a hierarchy of at most two children a node into nodes of up to eight children and leaves of one kind, by dynamic programming over the surface area
 /// heuristic: of all ways to cut the tree into wide nodes and leaves the cheapest (Ylitie, Karras, Laine 2017, "Efficient incoherent ray traversal on GPUs
-/// through compressed wide BVHs").
-[[nodiscard]] WideTree collapse_wide(const Scene& scene, BvhTree tree, const WideTreeSettings& settings);
+/// through compressed wide BVHs"). The same on any number of threads (0: all).
+[[nodiscard]] WideTree collapse_wide(const Scene& scene, BvhTree tree, const WideTreeSettings& settings, int threads);
 
 }  // namespace raymeter

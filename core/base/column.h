@@ -59,6 +59,11 @@ public:
     if (size > size_) std::fill(data_.get() + size_, data_.get() + size, value);
     size_ = size;
   }
+  /// New elements get whatever is there: for many threads to write, which then also take new pages from the system.
+  void resize_for_overwrite(std::size_t size) {
+    if (size > capacity_) grow(std::max(size, capacity_ + capacity_ / 2));
+    size_ = size;
+  }
   void assign(const T* values, std::size_t size) {
     if (size > capacity_) grow(size);
     if (size > 0) std::memcpy(data_.get(), values, size * sizeof(T));

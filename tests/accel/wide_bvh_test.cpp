@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <set>
 
 #include "accel/bvh/box_builders.h"
@@ -92,7 +93,7 @@ TEST(BeamTraversal, SharesWorkAmongCoherentRays) {
 
 TEST(WideTree, HoldsEachPrimitiveOnceInsideItsBoxes) {
   for (const Scene& scene : test::hard_scenes()) {
-    const WideTree tree = collapse_wide(scene, build_binned_sah(scene, {}, 2), {});
+    const WideTree tree = collapse_wide(scene, build_binned_sah(scene, {}, 2), {}, 2);
     std::multiset<std::int32_t> held;
     const Pools pools = reordered(scene.pools(), tree.order);
     for (const WideNode& node : tree.nodes) {
@@ -157,12 +158,12 @@ TEST(WideTree, TakesTreesOfAnyArity) {
   tree.nodes[0].box = tree.nodes[1].box;
   tree.nodes[0].first = 1;
   tree.nodes[0].child_count = 1;
-  EXPECT_EQ(collapse_wide(scene, with_width(tree, 2, 1), {}).stats.references, prims);
+  EXPECT_EQ(collapse_wide(scene, with_width(tree, 2, 1), {}, 2).stats.references, prims);
 }
 
 TEST(WideTree, OrdersPlacesForEveryOctant) {
   const Scene scene = hills(30, 1, {0, 0, 0});
-  const WideTree tree = collapse_wide(scene, build_binned_sah(scene, {}, 2), {});
+  const WideTree tree = collapse_wide(scene, build_binned_sah(scene, {}, 2), {}, 2);
   ASSERT_GT(tree.nodes.size(), 10u);
   for (const WideNode& node : tree.nodes) {
     for (const std::uint32_t order : node.order) {
@@ -176,9 +177,26 @@ TEST(WideTree, OrdersPlacesForEveryOctant) {
   for (int i = 0; i < kWideChildren; ++i) EXPECT_EQ(root.order[0] >> 4 * i & 15, root.order[7] >> 4 * (kWideChildren - 1 - i) & 15);
 }
 
+TEST(WideTree, HasTheSameBytesOnAnyNumberOfThreads) {
+  const auto same_bytes = [](const auto& a, const auto& b) { return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0; };
+  std::vector<Scene> scenes = test::hard_scenes();
+  scenes.push_back(hills(100, 1, {0, 0, 0}));  // large enough to have a top
+  for (const Scene& scene : scenes) {
+    const WideTree one = collapse_wide(scene, build_binned_sah(scene, {}, 1), {}, 1);
+    for (const int threads : {2, 7}) {
+      const WideTree many = collapse_wide(scene, build_binned_sah(scene, {}, threads), {}, threads);
+      EXPECT_TRUE(same_bytes(many.nodes, one.nodes) && same_bytes(many.blocks, one.blocks) && same_bytes(many.runs, one.runs)) << scene.name;
+      EXPECT_TRUE(std::ranges::equal(many.order, one.order)) << scene.name;
+      EXPECT_EQ(many.stats.sah_cost, one.stats.sah_cost);
+      EXPECT_EQ(many.stats.max_depth, one.stats.max_depth);
+      EXPECT_EQ(many.stack_capacity, one.stack_capacity);
+    }
+  }
+}
+
 TEST(WideTree, FillsItsBlocks) {
   const Scene scene = hills(100, 1, {0, 0, 0});
-  const WideTree tree = collapse_wide(scene, build_binned_sah(scene, {}, 2), {});
+  const WideTree tree = collapse_wide(scene, build_binned_sah(scene, {}, 2), {}, 2);
   std::int64_t triangles = 0;
   for (const TriangleBlock& block : tree.blocks) triangles += block.count;
   EXPECT_EQ(triangles, 20000);
