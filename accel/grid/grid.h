@@ -12,6 +12,10 @@ struct GridParams {
   std::string resolution = "auto";
   int max_resolution = 4096;
   std::string touching = "begin";
+  double growth_low = 0;
+  double growth_high = 0;
+  double cone_padding = 0;
+  double margin = 1.0 / 512;
   bool mailbox = true;
   std::string traversal = "lanes";
   std::string start = "t_min";
@@ -31,6 +35,10 @@ struct GridParams {
               0,
               0,
               {"begin", "end", "all"}},
+        Field{"growth_low", &GridParams::growth_low, "of the grid beyond the low sides of the scene's box, relative to its extent", 0, 1},
+        Field{"growth_high", &GridParams::growth_high, "of the grid beyond the high sides of the scene's box, relative to its extent", 0, 1},
+        Field{"cone_padding", &GridParams::cone_padding, "of the boxes of cones and cylinders on all sides, in units of the scene", 0, 1e6},
+        Field{"margin", &GridParams::margin, "share of a cell that its list reaches beyond it at least; rays from far away need more", 0, 0.25},
         Field{"mailbox", &GridParams::mailbox, "test hardly any primitive twice for one ray", 0, 0, {}, ParamUse::query},
         Field{"traversal", &GridParams::traversal, "lanes step each on its own, or packets go slice by slice", 0, 0, {"lanes", "slices"}, ParamUse::query},
         where<GridParams>([](const GridParams& p) { return p.traversal == "lanes"; },

@@ -27,8 +27,6 @@ constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
 constexpr double kGridError = double{kPrimitiveError} + 4 * double{kUnitRoundoff};
 /// Rays that start up to this many extents away always use the grid.
 constexpr double kLeastReach = 8;
-/// A list reaches this share of a cell beyond it; rays may then start some sixteen hundred cells away.
-constexpr double kMarginCells = 1.0 / 512;
 
 struct Bounds {
   Aabb tight;
@@ -36,6 +34,18 @@ struct Bounds {
 };
 
 double largest_coordinate(const Aabb& box, glm::length_t a) noexcept { return std::max(std::abs(double{box.min[a]}), std::abs(double{box.max[a]})); }
+
+/// The box that reaches further on its low and on its high sides, by shares of its extent.
+Aabb grown(Aabb box, double low, double high) noexcept {
+  constexpr double kMost = std::numeric_limits<float>::max();
+  if (box.empty() || (low == 0 && high == 0)) return box;
+  for (glm::length_t a = 0; a < 3; ++a) {
+    const double from = box.min[a], to = box.max[a];
+    box.min[a] = static_cast<float>(std::max(from - low * (to - from), -kMost));
+    box.max[a] = static_cast<float>(std::min(to + high * (to - from), kMost));
+  }
+  return box;
+}
 
 /// The least size of a cell: a primitive's padding is not to fill several cells.
 double finest_cell(const Aabb& box, glm::length_t a) noexcept { return std::max(4 * double{kBoundsPadding} * largest_coordinate(box, a), 0x1p-100); }
@@ -66,8 +76,9 @@ public:
   }
 
   UniformGrid run(const GridParams& params) {
-    touching_ = params.touching;
-    const Bounds bounds = find_bounds();
+    params_ = params;
+    const Bounds found = find_bounds();
+    const Bounds bounds{grown(found.tight, params.growth_low, params.growth_high), grown(found.padded, params.growth_low, params.growth_high)};
     const glm::dvec3 extent = bounds.tight.empty() ? glm::dvec3(0.0) : glm::dvec3(bounds.tight.max) - glm::dvec3(bounds.tight.min);
     GridResolution resolution = grid_resolution(params, extent, static_cast<std::int64_t>(entry_count_));
     for (std::size_t a = 0; a < 3; ++a) resolution[a] = std::min(resolution[a], useful_resolution(bounds.tight, static_cast<glm::length_t>(a)));
@@ -131,13 +142,13 @@ private:
       if (resolution[a] == 1 && !planes_inside) continue;  // no planes: size and origin are of no use
       const double extent = double{bounds.tight.max[axis]} - double{bounds.tight.min[axis]};
       const double cell = extent / resolution[a];
-      grid_.margin[a] = std::max(kMarginCells * cell, kGridError * kLeastReach * extent);
+      grid_.margin[a] = std::max(params_.margin * cell, kGridError * kLeastReach * extent);
       grid_.finest_cell[a] = std::max(finest_cell(bounds.tight, axis), 2 * grid_.margin[a]);
       // Boxes that touch a plane of the exact division would be listed on both of its sides, and regular scenes are full of them. With the planes a little
       // higher only those that begin there are, with the planes a little lower only those that end there: what programs do whose coordinates are rounded to
       // cells in one direction.
       const double shift = 2 * (grid_.margin[a] + double{kBoundsPadding} * largest_coordinate(bounds.tight, axis));
-      const double raised = touching_ == "all" ? 0 : touching_ == "end" ? -shift : shift;
+      const double raised = params_.touching == "all" ? 0 : params_.touching == "end" ? -shift : shift;
       frame.origin[a] = static_cast<float>(double{bounds.tight.min[axis]} + raised);
       frame.cell_size[a] = static_cast<float>(cell);
       frame.inv_cell_size[a] = static_cast<float>(1 / cell);
@@ -153,7 +164,7 @@ private:
         Range(0, entry_count_, kGrain), std::int64_t{0},
         [&](const Range& range, std::int64_t sum) {
           for (std::size_t e = range.begin(); e < range.end(); ++e) {
-            entries_[e] = cells_of(grid_.frame, grid_.margin, padded_bounds(pools_, prim(e)));
+            entries_[e] = cells_of(grid_.frame, grid_.margin, listed_box(pools_, prim(e), params_));
             // Saturating: the sum of 2^26 products of three 16-bit numbers may exceed 63 bits.
             sum = std::min(sum + std::min(entries_[e].count(), kMost), kMost);
           }
@@ -269,7 +280,7 @@ private:
 
   const Pools& pools_;
   GridPlanes planes_;
-  std::string touching_;
+  GridParams params_;
   UniformGrid grid_;
   std::vector<std::size_t> first_entry_;  ///< per kind
   std::vector<CellRange> entries_;
@@ -277,6 +288,15 @@ private:
 };
 
 }  // namespace
+
+Aabb listed_box(const Pools& pools, PrimRef ref, const GridParams& params) noexcept {
+  Aabb box = padded_bounds(pools, ref);
+  if (ref.kind() == PrimKind::cone) {
+    box.min -= glm::vec3(static_cast<float>(params.cone_padding));
+    box.max += glm::vec3(static_cast<float>(params.cone_padding));
+  }
+  return box;
+}
 
 UniformGrid build_uniform_grid(const Scene& scene, const GridParams& params, int threads, GridPlanes planes) {
   return on_threads(threads, [&] { return GridBuilder(scene, planes).run(params); });

@@ -99,7 +99,7 @@ void traverse_by_lanes(const GridView& grid, Packet<L, kGroups>& packet, Stats s
     const Mask live = packet.live(g), serves = regular(grid.frame, ray);
     irregular[g] = live & ~serves;
     all_regular = all_regular && L::none(irregular[g]);
-    const SlabInterval<L> inside = way_through(grid.frame, ray, packet.hit[g].t, grid.from_origin);
+    const SlabInterval<L> inside = way_through(ray, packet.hit[g].t, BoxPlanes<L, false>(grid.frame.box, 0), grid.from_origin);
     walk[g].live = live & serves & (inside.t_near <= inside.t_far);
     walk[g].t_end = inside.t_far;
     enter(grid.frame, ray, inside.t_near, walk[g]);

@@ -21,7 +21,7 @@
 // visits at most nx + ny + nz - 2 cells, whatever its numbers; NaN ends it, for it compares false.
 
 #include "accel/grid/grid_layout.h"
-#include "core/bounds/slab_kernel.h"
+#include "core/bounds/way_through_kernel.h"
 #include "core/ray/packet_loop.h"
 
 namespace raymeter {
@@ -55,14 +55,6 @@ inline typename L::Mask regular(const GridFrame& frame, const RayPacket<L>& ray)
            ((speed == Float(0.0f)) | ((speed >= Float(0x1p-126f)) & (speed <= Float(frame.max_speed[a]))));
   }
   return good;
-}
-
-/// Where the rays' way through the box of all hits begins and ends; they meet it where t_near <= t_far.
-template <class L>
-[[gnu::always_inline]] inline SlabInterval<L> way_through(const GridFrame& frame, const RayPacket<L>& ray, typename L::Float t_hit, bool from_origin) noexcept {
-  const SlabInterval<L> line = line_in_box(ray, BoxPlanes<L, false>(frame.box, 0));
-  const typename L::Float begin = from_origin ? L::min(ray.t_min, typename L::Float(0.0f)) : ray.t_min;
-  return {L::max(line.t_near, begin), L::min(line.t_far, t_hit)};
 }
 
 /// When the rays cross plane `index`.

@@ -56,7 +56,7 @@ public:
       irregular[g] = live & ~serves;
       all_regular = all_regular && L::none(irregular[g]);
       count<Event::node_visit>(live & serves);
-      const SlabInterval<L> inside = way_through(grid_.frame, ray, packet_.hit[g].t, grid_.from_origin);
+      const SlabInterval<L> inside = way_through(ray, packet_.hit[g].t, BoxPlanes<L, false>(grid_.frame.box, 0), grid_.from_origin);
       walk[g].live = live & serves & (inside.t_near <= inside.t_far);
       walk[g].t_end = inside.t_far;
       entered[g] = inside.t_near;

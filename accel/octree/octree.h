@@ -6,18 +6,25 @@
 
 namespace raymeter {
 
+inline constexpr int kMostCostPlanes = 64;
+
 struct OctreeParams {
   int max_depth = 12;
   int leaf_size = 8;
   std::string split = "center";
+  int cost_count = 10;
   std::string cost_planes = "between";
   std::string cost_median = "parts";
+  std::string cost_middle = "upper";
+  std::string cost_measure = "area";
   std::string cost_counts = "boxes";
   std::string placement = "exact";
   std::string root = "box";
   double growth = 0.001;
+  double cone_padding = 0;
   int budget = 32;
   std::string tracking = "parametric";
+  std::string start = "t_min";
   std::string blocker = "first";
   bool mailbox = false;
 
@@ -28,9 +35,10 @@ struct OctreeParams {
         Field{"max_depth", &OctreeParams::max_depth, "levels below the root at most", 0, 20},
         Field{"leaf_size", &OctreeParams::leaf_size, "a cell of so many primitives is not divided", 1, 64},
         Field{"split", &OctreeParams::split, "where cells are divided: in the middle, or where each axis expects the least cost", 0, 0, {"center", "cost"}},
+        where<OctreeParams>(by_cost, Field{"cost_count", &OctreeParams::cost_count, "planes that are tried on an axis", 1, kMostCostPlanes}),
         where<OctreeParams>(by_cost, Field{"cost_planes",
                                            &OctreeParams::cost_planes,
-                                           "ten planes are tried: between the cell's middle and the objects' median, or with these ends",
+                                           "planes are tried between the cell's middle and the objects' median, or with these ends",
                                            0,
                                            0,
                                            {"between", "ends"}}),
@@ -40,6 +48,18 @@ struct OctreeParams {
                                            0,
                                            0,
                                            {"parts", "boxes"}}),
+        where<OctreeParams>(by_cost, Field{"cost_middle",
+                                           &OctreeParams::cost_middle,
+                                           "the median of an even number: the upper one of the two in the middle, or their mean",
+                                           0,
+                                           0,
+                                           {"upper", "mean"}}),
+        where<OctreeParams>(by_cost, Field{"cost_measure",
+                                           &OctreeParams::cost_measure,
+                                           "what the objects on a side are weighted with: its area, or its length",
+                                           0,
+                                           0,
+                                           {"area", "length"}}),
         where<OctreeParams>(by_cost, Field{"cost_counts",
                                            &OctreeParams::cost_counts,
                                            "an object counts on each side that its box touches, or on that of its box's centre",
@@ -54,8 +74,18 @@ struct OctreeParams {
               {"exact", "box"}},
         Field{"root", &OctreeParams::root, "shape of the root cell: the scene's box, or the cube around it", 0, 0, {"box", "cube"}},
         Field{"growth", &OctreeParams::growth, "of the root cell beyond the scene's box, relative to its extent", 0, 1},
+        where<OctreeParams>(
+            [](const OctreeParams& p) { return p.placement == "box"; },
+            Field{"cone_padding", &OctreeParams::cone_padding, "of the boxes of cones and cylinders on all sides, in units of the scene", 0, 1e6}),
         Field{"budget", &OctreeParams::budget, "references per primitive at most; small scenes get those of 1024", 1, 65536},
         Field{"tracking", &OctreeParams::tracking, "how a ray finds its next cell", 0, 0, {"parametric", "point_location", "neighbour"}, ParamUse::query},
+        Field{"start",
+              &OctreeParams::start,
+              "where a ray begins to walk: at its t_min, or at its origin as programs do that only leave out near hits",
+              0,
+              0,
+              {"t_min", "origin"},
+              ParamUse::query},
         Field{"blocker",
               &OctreeParams::blocker,
               "where a ray that asks for any hit ends: at the first that is found, or at the nearest",

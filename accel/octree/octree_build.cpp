@@ -75,6 +75,10 @@ private:
     });
     Aabb all;
     for (const Aabb& box : boxes_) all.grow(box);
+    const glm::vec3 padding(static_cast<float>(params_.cone_padding));
+    for (std::size_t e = 0; e < count && params_.cone_padding > 0; ++e) {
+      if (draft_.entries[e].kind() == PrimKind::cone) boxes_[e] = {boxes_[e].min - padding, boxes_[e].max + padding};
+    }
     BuildCell root;
     const glm::dvec3 extent = count > 0 ? glm::dvec3(all.max) - glm::dvec3(all.min) : glm::dvec3(0.0);
     const double largest = std::max({extent.x, extent.y, extent.z});

@@ -172,6 +172,7 @@ OctreeView Octree::view(const OctreeParams& params) const noexcept {
   view.reach = reach;
   view.exact = exact;
   view.neighbour = params.tracking == "neighbour";
+  view.from_origin = params.start == "origin";
   view.nearest_blocker = params.blocker == "nearest";
   view.mailbox = params.mailbox;
   return view;

@@ -41,6 +41,7 @@ struct OctreeView {
   float reach;           ///< rays whose origins lie this far from `center` on any axis are not served by lists that reach beyond their cells by a margin
   bool exact;            ///< the lists hold what touches a cell, not only what has a box that does
   bool neighbour;        ///< the next cell is looked for from the old one, not from the root
+  bool from_origin;      ///< rays walk from their origin on, even where their interval begins later
   bool nearest_blocker;  ///< any hit is found as the nearest is
   bool mailbox;
 };

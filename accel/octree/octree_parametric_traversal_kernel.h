@@ -24,7 +24,7 @@
 // visits at most the tree's cells, and of the children of a node, but for ties within the padding, four.
 
 #include "accel/octree/octree_leaf_kernel.h"
-#include "core/bounds/slab_kernel.h"
+#include "core/bounds/way_through_kernel.h"
 
 namespace raymeter {
 
@@ -97,7 +97,7 @@ private:
   std::uint32_t enter_root(const Mask* lanes) noexcept {
     std::uint32_t any = 0;
     for (int g = 0; g < packet_.group_count(); ++g) {
-      const SlabInterval<L> inside = intersect_box(packet_.ray[g], packet_.hit[g].t, BoxPlanes<L, false>(tree_.box, 0));
+      const SlabInterval<L> inside = way_through(packet_.ray[g], packet_.hit[g].t, BoxPlanes<L, false>(tree_.box, 0), tree_.from_origin);
       t_near_[g] = inside.t_near;
       t_far_[g] = inside.t_far;
       live_[g] = lanes[g] & (inside.t_near <= inside.t_far);

@@ -136,7 +136,7 @@ void traverse(const OctreeView& tree, Packet<L, 1>& packet, OctreeScratch& scrat
   if (L::any(others)) traverse_by_parameter<Q>(tree, packet, &others, scratch, stats);
 
   Walk<L> walk;
-  const SlabInterval<L> inside = intersect_box(ray, packet.hit[0].t, BoxPlanes<L, false>(tree.box, 0));
+  const SlabInterval<L> inside = way_through(ray, packet.hit[0].t, BoxPlanes<L, false>(tree.box, 0), tree.from_origin);
   walk.live = packet.live(0) & steady & (inside.t_near <= inside.t_far);
   walk.t = inside.t_near;
   walk.t_end = inside.t_far;

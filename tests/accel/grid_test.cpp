@@ -37,7 +37,8 @@ void expect_equals_list(const Scene& scene, const RayBatch& rays, const std::str
 
 TEST(Grid, EqualsListBitForBit) {
   const Scene scene = mixed_scene(2000, 0.1);
-  for (const char* technique : {"grid", "grid:density=0.1", "grid:density=40", "grid:resolution=1x40x3", "grid:mailbox=off", "grid:blocker=nearest"}) {
+  for (const char* technique : {"grid", "grid:density=0.1", "grid:density=40", "grid:resolution=1x40x3", "grid:mailbox=off", "grid:blocker=nearest",
+                                "grid:growth_low=0.3,growth_high=0.05,cone_padding=0.1,margin=0,start=origin"}) {
     expect_equals_list(scene, random_rays(1500), technique);
   }
 }

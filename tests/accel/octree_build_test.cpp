@@ -19,11 +19,13 @@ bool same(const Column<T>& a, const Column<T>& b) {
 
 TEST(OctreeBuild, IsTheSameOnAnyNumberOfThreads) {
   const Scene scene = mixed_scene(20000, 0.02);
-  for (const char* rule : {"center", "cost", "ends", "boxes", "centers"}) {
+  for (const char* rule : {"center", "cost", "ends", "boxes", "centers", "mean", "length"}) {
     OctreeParams params;
     params.split = std::string_view(rule) == "center" ? "center" : "cost";
     if (std::string_view(rule) == "ends") params.cost_planes = rule;
     if (std::string_view(rule) == "boxes") params.cost_median = rule;
+    if (std::string_view(rule) == "mean") params.cost_middle = rule;
+    if (std::string_view(rule) == "length") params.cost_measure = rule;
     if (std::string_view(rule) == "centers") params.cost_counts = rule;
     const Octree one = build_octree_tree(scene, params, 1);
     for (const int threads : {2, 7}) {

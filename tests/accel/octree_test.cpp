@@ -42,7 +42,8 @@ void expect_equals_list(const Scene& scene, const RayBatch& rays, const std::str
 
 TEST(Octree, EqualsListBitForBit) {
   const Scene scene = mixed_scene(2000, 0.1);
-  for (const char* build : {"placement=exact,leaf_size=1", "placement=box", "split=cost", "max_depth=1", "max_depth=0", "root=cube"}) {
+  for (const char* build : {"placement=exact,leaf_size=1", "placement=box", "split=cost", "max_depth=1", "max_depth=0", "root=cube",
+                            "placement=box,cone_padding=0.1,start=origin"}) {
     expect_equals_list(scene, random_rays(200), build);
   }
 }

@@ -235,6 +235,20 @@ TEST(OctreeTraversal, CountsTheSameForSingleRaysOnEveryIsa) {
   }
 }
 
+TEST(OctreeTraversal, FromTheOriginVisitsTheCellsBeforeTheIntervalToo) {
+  // Rays from the midst of the scene whose intervals begin behind it: nothing is visited, unless they walk from their origin on.
+  const Scene scene = mixed_scene(2000, 0.1);
+  RayBatch rays = random_rays(500);
+  for (float& t : rays.t_min) t = 1e6f;
+  for (const char* tracking : {"parametric", "point_location", "neighbour"}) {
+    const std::string technique = std::string("octree:tracking=") + tracking;
+    const Answer late = answer(scene, rays, technique, best_isa(), 16), early = answer(scene, rays, technique + ",start=origin", best_isa(), 16);
+    EXPECT_EQ(late.closest.live(Event::leaf_visit), 0) << tracking;
+    EXPECT_GT(early.closest.live(Event::leaf_visit), 500) << tracking;
+    EXPECT_EQ(early.closest.live(Event::prim_hit), 0) << tracking;
+  }
+}
+
 TEST(OctreeTraversal, SharesVisitsAmongCoherentRays) {
   const Scene scene = mixed_scene(2000, 0.1);
   const RayBatch rays = coherent_rays(scene);

@@ -2,6 +2,7 @@
 """What `raymeter run` measures and records, through the executable. Usage: run_test.py RAYMETER [UNITTEST ARGUMENTS]"""
 import json
 import os
+import struct
 import sys
 from pathlib import Path
 
@@ -136,6 +137,14 @@ class RunTest(RunInFolder):
         status = {"0.0625": {"refused"}, "16": {"ok"}}
         for row in self.rows(self.folder / "r", "summary"):
             self.assertIn(row["status"], status[row["params"].rsplit("memory_mb=")[1]], row)
+        header = b"{'descr': '<f4', 'fortran_order': False, 'shape': (1, 8), }".ljust(117) + b"\n"
+        (self.folder / "rays.npy").write_bytes(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header + struct.pack("<8f", 0, 0, 5, 0, 0, 0, -1, 9))
+        technique = ["--scene", "spd:balls:4", "--technique", "ray_classification:memory_mb=0.0625"]
+        image = self.raymeter("image", *technique, "--size", "16", "--out", "i.png")
+        trace = self.raymeter("trace", *technique, "--rays", "rays.npy", "--query", "closest", "--out", "h.npy")
+        for result in (image, trace):
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn("memory_mb: 0.0625 is too little", result.stderr)
 
     def test_a_cell_that_takes_too_long_times_out(self) -> None:
         result = self.raymeter("run", self.write(config(measure={"timeout_s": 0})), "--out", "r", "--progress", "none")
