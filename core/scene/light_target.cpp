@@ -104,14 +104,7 @@ std::optional<LightContact> touching(const Pools& pools, PrimRef ref, const Aabb
 
 // ---- Where rays to it end.
 
-/// A plane that the ray's end is to be above by so much; `normal` is to the origin's side.
-struct Side {
-  dvec3 normal;
-  double light_height;
-  double wanted;
-};
-
-Side side_of(const LightContact& contact, const dvec3& to_org, double distance) noexcept {
+EndSide side_of(const LightContact& contact, const dvec3& to_org, double distance) noexcept {
   const double lift = kLightLift * (distance + contact.size);
   if (contact.across > 0) {
     const dvec3 across = to_org - glm::dot(to_org, contact.normal) * contact.normal;
@@ -121,33 +114,34 @@ Side side_of(const LightContact& contact, const dvec3& to_org, double distance) 
     return {-contact.normal, contact.height, lift / contact.along};  // inside: along the axis, as far from all sides
   }
   const bool outside = glm::dot(contact.normal, to_org) + contact.height >= 0;
-  return outside ? Side{contact.normal, contact.height, lift} : Side{-contact.normal, -contact.height, std::min(lift, contact.room)};
+  return outside ? EndSide{contact.normal, contact.height, lift} : EndSide{-contact.normal, -contact.height, std::min(lift, contact.room)};
 }
 
 }  // namespace
 
-dvec3 LightTarget::seen_from(const dvec3& org) const noexcept {
-  if (contacts.empty()) return light;
+dvec3 LightTarget::seen_from(const dvec3& org, const EndSide& left) const noexcept {
+  if (contacts.empty()) return light + std::max(left.wanted - left.light_height, 0.0) * left.normal;
   constexpr int kRounds = 8;
   const dvec3 to_org = org - light;
   const double distance = glm::length(to_org);
   dvec3 lift(0.0);
-  const auto height = [&](const Side& side) { return side.light_height + glm::dot(side.normal, lift); };
+  const auto height = [&](const EndSide& side) { return side.light_height + glm::dot(side.normal, lift); };
   bool settled = false;
+  const auto rise_above = [&](const EndSide& side) {
+    if (height(side) >= kEnough * side.wanted) return;
+    lift += (side.wanted - height(side)) * side.normal;
+    settled = false;
+  };
   for (int round = 0; round < kRounds && !settled; ++round) {
     settled = true;
-    for (const LightContact& contact : contacts) {
-      const Side side = side_of(contact, to_org, distance);
-      if (height(side) >= kEnough * side.wanted) continue;
-      lift += (side.wanted - height(side)) * side.normal;
-      settled = false;
-    }
+    rise_above(left);
+    for (const LightContact& contact : contacts) rise_above(side_of(contact, to_org, distance));
   }
   if (settled) return light + lift;
   // In a narrow wedge: towards the origin, which is above all of the planes.
   double back = 0;
   for (const LightContact& contact : contacts) {
-    const Side side = side_of(contact, to_org, distance);
+    const EndSide side = side_of(contact, to_org, distance);
     const double here = height(side), there = side.light_height + glm::dot(side.normal, to_org);
     if (here < side.wanted) back = std::max(back, there > side.wanted ? (side.wanted - here) / (there - here) : 1.0);
   }

@@ -6,8 +6,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "core/geometry/error_bounds.h"
-
 namespace raymeter {
 
 namespace {
@@ -33,9 +31,13 @@ struct Line {
   double distance;  ///< of that point from the ray's origin
 };
 
-Surface finished(const dvec3& point, const dvec3& normal, double size, const Line& line) noexcept {
-  const double rounding = std::abs(normal.x * point.x) + std::abs(normal.y * point.y) + std::abs(normal.z * point.z);
-  return {point, normal, normal, double{kUnitRoundoff} * (16 * size + 16 * line.distance + 2 * rounding)};
+/// What rounding a point's coordinates moves it along the normal at most, in unit roundoffs.
+double rounding(const dvec3& point, const dvec3& normal) noexcept {
+  return std::abs(normal.x * point.x) + std::abs(normal.y * point.y) + std::abs(normal.z * point.z);
+}
+
+Surface finished(const dvec3& point, const dvec3& normal, double diameter, const Line& line) noexcept {
+  return {point, normal, normal, double{kLeavingError} * diameter + double{kUnitRoundoff} * (16 * line.distance + 2 * rounding(point, normal))};
 }
 
 Surface on_sphere(const SpherePool& pool, std::size_t i, const Line& line) noexcept {
@@ -44,7 +46,7 @@ Surface on_sphere(const SpherePool& pool, std::size_t i, const Line& line) noexc
   const dvec3 f = line.near - center;
   const double s = smaller_root(glm::dot(line.dir, line.dir), glm::dot(f, line.dir), glm::dot(f, f) - radius * radius);
   const dvec3 normal = unit_or(f + s * line.dir, -glm::normalize(line.dir));
-  return finished(center + radius * normal, normal, radius, line);
+  return finished(center + radius * normal, normal, 2 * radius, line);
 }
 
 Surface on_cone(const ConePool& pool, std::size_t i, const Line& line) noexcept {
@@ -57,28 +59,29 @@ Surface on_cone(const ConePool& pool, std::size_t i, const Line& line) noexcept 
   const dvec3 w = f - height * axis, v = line.dir - climb * axis;
   const double radius = base_radius + taper * height, narrowing = taper * climb;
   const double s = smaller_root(glm::dot(v, v) - narrowing * narrowing, glm::dot(w, v) - narrowing * radius, glm::dot(w, w) - radius * radius);
-  const double height_there = height + s * climb;
-  const dvec3 outwards = unit_or(w + s * v, -unit_or(v, dvec3(0.0)));
+  const double height_there = std::clamp(height + s * climb, 0.0, 1.0);  // beyond an apex its mirror image would begin, whose normals point inwards
+  const dvec3 off_axis = w + s * v;                                      // at an apex nothing but roundings, of any direction
+  const dvec3 outwards = unit_or(off_axis - glm::dot(off_axis, axis) / axis2 * axis, -unit_or(v, dvec3(0.0)));
   // The radius changes by taper over the axis' length: that much the normal leans towards the narrow end.
   const dvec3 normal = unit_or(outwards - taper / axis2 * axis, outwards);
   const dvec3 point = base + height_there * axis + (base_radius + taper * height_there) * outwards;
-  return finished(point, normal, std::sqrt(axis2) + std::max(base_radius, apex_radius), line);
+  return finished(point, normal, std::sqrt(axis2) + 2 * std::max(base_radius, apex_radius), line);
 }
 
-/// Where the line meets the plane; along the plane, the found point's foot.
-Surface on_plane(const dvec3& origin, const dvec3& plane_normal, double size, const Line& line) noexcept {
+/// Where the line meets the plane; where that is beyond the primitive, whose plane the line all but lies in, the found point's foot.
+Surface on_plane(const dvec3& origin, const dvec3& plane_normal, double diameter, const Line& line) noexcept {
   const dvec3 normal = unit_or(plane_normal, -glm::normalize(line.dir));
   const double below = glm::dot(normal, origin - line.near);
   const double slope = glm::dot(normal, line.dir);
-  const bool along = std::abs(slope) < 1e-9 * glm::length(line.dir);
-  return finished(line.near + (along ? below * normal : below / slope * line.dir), normal, size, line);
+  const bool on_line = std::abs(below) * glm::length(line.dir) < std::abs(slope) * diameter;
+  return finished(line.near + (on_line ? below / slope * line.dir : below * normal), normal, diameter, line);
 }
 
 Surface on_triangle(const TrianglePool& pool, std::size_t i, const Line& line) noexcept {
   const dvec3 a = at(pool.vertex[0], i);
   const dvec3 ab = at(pool.vertex[1], i) - a, ac = at(pool.vertex[2], i) - a;
   const dvec3 cross = glm::cross(ab, ac);
-  Surface surface = on_plane(a, cross, std::max(glm::length(ab), glm::length(ac)), line);
+  Surface surface = on_plane(a, cross, std::max({glm::length(ab), glm::length(ac), glm::length(ac - ab)}), line);
   if (pool.normal_index.empty() || pool.normal_index[i] < 0) return surface;
   const dvec3 ap = surface.point - a;
   const double area2 = glm::dot(cross, cross);
@@ -89,8 +92,10 @@ Surface on_triangle(const TrianglePool& pool, std::size_t i, const Line& line) n
 }
 
 Surface on_polygon(const PolygonPool& pool, std::size_t i, const Line& line) noexcept {
-  const double size = glm::length(at(pool.box_max, i) - at(pool.box_min, i));
-  return on_plane(at(pool.vertex, static_cast<std::size_t>(pool.first_vertex[i])), at(pool.normal, i), size, line);
+  const double diagonal = glm::length(at(pool.box_max, i) - at(pool.box_min, i));
+  Surface surface = on_plane(at(pool.vertex, static_cast<std::size_t>(pool.first_vertex[i])), at(pool.normal, i), diagonal, line);
+  surface.clearance += 2 * double{kUnitRoundoff} * rounding(surface.point, surface.geometric);  // vertices that are rounded lie in no plane
+  return surface;
 }
 
 }  // namespace
@@ -135,9 +140,12 @@ Ray spawn_ray_to(const Surface& surface, const dvec3& target, double distance_mi
 }
 
 Ray spawn_ray_to(const Surface& surface, const LightTarget& light, double distance_min) noexcept {
-  Ray ray = lifted_ray(surface, light.light - surface.point);
+  const dvec3 towards = light.light - surface.point;
+  Ray ray = lifted_ray(surface, towards);
   const dvec3 org(ray.org[0], ray.org[1], ray.org[2]);
-  set_direction(ray, light.seen_from(org) - org, distance_min);
+  // An end that is lower than the origin, as of a light in the surface's own plane, is passed above: a ray that sinks comes to where the kernel errs.
+  const dvec3 up = glm::dot(surface.geometric, towards) < 0 ? -surface.geometric : surface.geometric;
+  set_direction(ray, light.seen_from(org, {up, glm::dot(up, towards), surface.clearance}) - org, distance_min);
   ray.t_max = 1 - kUnitRoundoff;
   return ray;
 }

@@ -12,6 +12,7 @@
 
 #include "accel/registry.h"
 #include "core/bounds/aabb.h"
+#include "core/scene/surface.h"
 #include "core/trace/trace.h"
 #include "experiments/verify/cone_truth.h"
 #include "experiments/verify/oracle.h"
@@ -169,6 +170,68 @@ TEST_P(ErrorBounds, HoldForAcceptedHits) {
   EXPECT_GT(errors.hits, kShapes * kRaysPerShape / 3);
   EXPECT_LE(errors.beside_box, double{kPrimitiveError / kUnitRoundoff});
   EXPECT_LE(errors.off_surface, double{kSurfaceError / kUnitRoundoff});
+}
+
+double diameter(const Pools& pools, PrimRef ref) {
+  const std::size_t i = ref.index;
+  const auto vertex = [&](std::size_t k) {
+    const FloatColumns3& v = pools.triangles.vertex[k % 3];
+    return glm::dvec3(v[0][i], v[1][i], v[2][i]);
+  };
+  switch (ref.kind()) {
+    case PrimKind::sphere: return 2 * double{pools.spheres.radius[i]};
+    case PrimKind::triangle: return std::max({glm::distance(vertex(0), vertex(1)), glm::distance(vertex(1), vertex(2)), glm::distance(vertex(2), vertex(0))});
+    case PrimKind::cone: return glm::length(axis_of(pools.cones, i)) + 2 * double{std::max(pools.cones.radius[0][i], pools.cones.radius[1][i])};
+    case PrimKind::polygon: break;
+  }
+  return glm::length(glm::dvec3(tight_bounds(pools, ref).extent()));
+}
+
+/// Rays that start up to 48 roundings of the shape's diameter above points that rays have met, and move away: anywhere, or all but along the surface.
+struct LeavingRays {
+  RayBatch rays;
+  std::vector<double> height;  ///< of the rounded origin, in roundings of the diameter
+
+  LeavingRays(const Scene& scene, const RayBatch& seen, const HitBatch& hits, Random& random) {
+    const double unit = double{kUnitRoundoff} * diameter(scene.pools(), scene.prim(0));
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      if (hits.prim[i] < 0) continue;
+      const Surface surface = surface_at(scene, seen[i], hits.t[i], 0);
+      for (int k = 0; k < 3; ++k) {
+        const bool below = scene.prim(0).kind() != PrimKind::sphere && scene.prim(0).kind() != PrimKind::cone && random.below(2) == 0;
+        const glm::dvec3 up = below ? -surface.geometric : surface.geometric;
+        const glm::dvec3 org(glm::vec3(surface.point + random.uniform(0, 48) * unit * up));
+        glm::dvec3 dir = random.direction();
+        if (k > 0) dir += (k == 1 ? magnitude(random, -9, -2) - glm::dot(dir, up) : -glm::dot(dir, up)) * up;
+        dir = glm::dvec3(glm::vec3(dir * magnitude(random, -3, 3)));
+        double above = glm::dot(org - surface.point, up) / unit;
+        // Polygons lie no better in their planes than their vertices are rounded.
+        if (scene.prim(0).kind() == PrimKind::polygon) above -= 2 * double{kUnitRoundoff} * glm::dot(glm::abs(up), glm::abs(surface.point)) / unit;
+        if (dir == glm::dvec3(0) || !(above > 0)) continue;
+        // What is rounded downwards is turned about: it moves away by as little.
+        rays.push_back(test::make_ray(org, glm::dot(dir, up) < 0 ? -dir : dir));
+        height.push_back(above);
+      }
+    }
+  }
+};
+
+TEST_P(ErrorBounds, WhatARayLeavesItDoesNotMeet) {
+  Random random(23);
+  std::int64_t leaving = 0;
+  double highest = 0;
+  for (int shape = 0; leaving < 1'000'000; ++shape) {
+    const Scene scene = one_shape(kind(), random);
+    const RayBatch seen = rays_at(scene, random);
+    const LeavingRays from(scene, seen, trace(scene, seen), random);
+    const HitBatch hits = trace(scene, from.rays);
+    leaving += static_cast<std::int64_t>(from.rays.size());
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      if (hits.prim[i] == 0) highest = std::max(highest, from.height[i]);
+    }
+  }
+  RecordProperty("leaving_roundings", std::to_string(highest));
+  EXPECT_LE(highest, double{kLeavingError / kUnitRoundoff});
 }
 
 TEST_P(ErrorBounds, TheOracleAgrees) {
