@@ -12,6 +12,7 @@
 #include "core/base/error.h"
 #include "core/ray/generators.h"
 #include "core/render/whitted.h"
+#include "experiments/cases/hard_case.h"
 #include "experiments/scenes/scene_source.h"
 #include "tests/support/random.h"
 #include "tests/support/test_rays.h"
@@ -139,6 +140,29 @@ TEST_P(ShadowCache, BlocksTheSameRaysInFrontOfEveryStructure) {
           if (HasFailure()) return;
         }
       }
+    }
+  }
+}
+
+TEST_P(ShadowCache, BlocksTheSameRaysInHardCases) {
+  const Isa isa = GetParam();
+  for (const HardCase& hard : hard_cases()) {
+    Problem problem = hard.make(300, 1);
+    if (problem.scene.prim_count() == 0) continue;
+    problem.scene.lights.assign(kLights, Light{});
+    const Shadow shadow = shadow_of(problem.set.rays, problem.scene, problem.set.rays.size());
+    const StructureEntry& bvh = structure_entry("bvh");
+    const ParamValues params = bvh.resolve({});
+    const auto structure = bvh.build(problem.scene, params, 1);
+    const auto intersector = structure->intersector({isa, 16, params});
+    Blockers expected;
+    trace_any(*intersector, shadow.rays, expected, 1);
+    for (const char* variant : {"key=light_object,batch=7", "key=light,update=serial", "key=light_tree,batch=100"}) {
+      SCOPED_TRACE(std::string(hard.name) + " " + variant);
+      Blockers blockers;
+      (void)find(*cache_of(problem.scene, variant, {isa, 16, 1, {}}, *intersector), shadow, 1, blockers);
+      expect_same_booleans(blockers, expected);
+      if (HasFailure()) return;
     }
   }
 }

@@ -89,21 +89,20 @@ INSTANTIATE_TEST_SUITE_P(Cases, HardCases, testing::ValuesIn([] {
                          }()),
                          [](const testing::TestParamInfo<const HardCase*>& row) { return std::string(row.param->name); });
 
-class HardCasesByStructure : public testing::TestWithParam<const StructureEntry*> {};
+class HardCasesByStructure : public testing::TestWithParam<std::string> {};
 
 TEST_P(HardCasesByStructure, AreAnsweredAsByTheListBitForBit) {
-  const StructureEntry& entry = *GetParam();
-  const ParamValues params = entry.resolve({});
+  const TechniqueSpec spec = parse_technique(GetParam());
   for (const HardCase& hard : hard_cases()) {
     SCOPED_TRACE(hard.name);
     const Problem& problem = problem_of(hard);
-    const auto structure = entry.build(problem.scene, params, 1);
+    const auto structure = spec.structure->build(problem.scene, spec.params, 1);
     for (const Isa isa : kIsas) {
       if (!available(isa)) continue;
       const Answers& expected = reference_of(hard, isa);
       for (const int packet : {5, kMaxPacket}) {
         SCOPED_TRACE(std::string(name(isa)) + " packet " + std::to_string(packet));
-        const Answers answers = answers_of(problem, *structure, {isa, packet, params});
+        const Answers answers = answers_of(problem, *structure, {isa, packet, spec.params});
         if (problem.set.query == Query::closest) {
           test::expect_same_hits(answers.hits, expected.hits, problem.set.rays);
         } else {
@@ -114,12 +113,8 @@ TEST_P(HardCasesByStructure, AreAnsweredAsByTheListBitForBit) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Structures, HardCasesByStructure, testing::ValuesIn([] {
-                           std::vector<const StructureEntry*> rows;
-                           for (const StructureEntry& row : structures()) rows.push_back(&row);
-                           return rows;
-                         }()),
-                         [](const testing::TestParamInfo<const StructureEntry*>& row) { return std::string(row.param->name); });
+INSTANTIATE_TEST_SUITE_P(Structures, HardCasesByStructure, testing::ValuesIn(test::all_traversals()),
+                         [](const testing::TestParamInfo<std::string>& technique) { return test::test_name(technique.param); });
 
 TEST(HardCase, OracleAgreesWithWhatIsKnownByConstruction) {
   for (const HardCase& hard : hard_cases()) {

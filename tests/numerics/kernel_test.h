@@ -16,11 +16,10 @@ protected:
     if (!available(GetParam())) GTEST_SKIP() << name(GetParam()) << " is not available on this machine";
   }
   /// By the list, or by a structure where the list would take too long; the conformance tests hold the two to be the same.
-  [[nodiscard]] static HitBatch trace(const Scene& scene, const RayBatch& rays, std::string_view structure = "list") {
-    const StructureEntry& entry = structure_entry(structure);
-    const ParamValues params = entry.resolve({});
+  [[nodiscard]] static HitBatch trace(const Scene& scene, const RayBatch& rays, std::string_view technique = "list") {
+    const TechniqueSpec spec = parse_technique(technique);
     HitBatch hits;
-    trace_closest(*entry.build(scene, params, 1)->intersector({GetParam(), simd_width(GetParam()), params}), rays, hits, 1);
+    trace_closest(*spec.structure->build(scene, spec.params, 1)->intersector({GetParam(), simd_width(GetParam()), spec.params}), rays, hits, 1);
     return hits;
   }
   struct Hit {

@@ -101,12 +101,12 @@ std::vector<std::size_t> shuffled(std::size_t count) {
   return order;
 }
 
-class Metamorphic : public testing::TestWithParam<const StructureEntry*> {
+class Metamorphic : public testing::TestWithParam<std::string> {
 protected:
   [[nodiscard]] static HitBatch trace(const Scene& scene, const RayBatch& rays, Isa isa, int packet = 8, int threads = 1) {
-    const ParamValues params = GetParam()->resolve({});
-    const auto structure = GetParam()->build(scene, params, threads);
-    const auto intersector = structure->intersector({isa, packet, params});
+    const TechniqueSpec spec = parse_technique(GetParam());
+    const auto structure = spec.structure->build(scene, spec.params, threads);
+    const auto intersector = structure->intersector({isa, packet, spec.params});
     intersector->prepare(rays.view(), Query::closest, threads);
     HitBatch hits;
     trace_closest(*intersector, rays, hits, threads);
@@ -239,12 +239,8 @@ TEST_P(Metamorphic, InvalidRaysLeaveTheOtherLanesAlone) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Structures, Metamorphic, testing::ValuesIn([] {
-                           std::vector<const StructureEntry*> rows;
-                           for (const StructureEntry& row : structures()) rows.push_back(&row);
-                           return rows;
-                         }()),
-                         [](const testing::TestParamInfo<const StructureEntry*>& row) { return std::string(row.param->name); });
+INSTANTIATE_TEST_SUITE_P(Structures, Metamorphic, testing::ValuesIn(test::all_traversals()),
+                         [](const testing::TestParamInfo<std::string>& technique) { return test::test_name(technique.param); });
 
 }  // namespace
 }  // namespace raymeter

@@ -176,47 +176,64 @@ TEST_P(PrimitiveKernels, TangentsOfASphere) {
   EXPECT_EQ(trace(scene, Ray{{0, 0, 1}, 0, {0, 0, 1}, kInf}).t, 0);
 }
 
+/// 200,000 rays into the disc of 1.2 radii about a unit sphere.
+RayBatch rays_at_far_sphere(double distance) {
+  Random random(37);
+  RayBatch rays;
+  for (int k = 0; k < 200000; ++k) {
+    const glm::dvec3 away = random.direction(), across = glm::normalize(glm::cross(away, random.direction()));
+    const glm::dvec3 org(glm::vec3(distance * away));
+    rays.push_back(make_ray(org, glm::normalize(1.2 * std::sqrt(random.uniform()) * across - org)));
+  }
+  return rays;
+}
+
 TEST_P(PrimitiveKernels, FarSpheresAreHitAndMissedAsWellAsPublished) {
   Scene scene;
   scene.add_sphere({0, 0, 0}, 1);
   scene.finish();
   const verify::SphereShape sphere = verify::sphere_at(scene.pools(), 0);
-  constexpr int kRays = 200000;
   // Haines, Guenther, Akenine-Moeller 2019, measured on as many rays: false misses plus false hits.
   for (const auto& [distance, published] : {std::pair{1e1, 0}, {1e2, 0}, {1e3, 2}, {1e4, 31}, {1e5, 241}, {1e6, 2364}}) {
-    Random random(37);
-    RayBatch rays;
-    for (int k = 0; k < kRays; ++k) {
-      const glm::dvec3 away = random.direction(), across = glm::normalize(glm::cross(away, random.direction()));
-      const glm::dvec3 org(glm::vec3(distance * away));
-      rays.push_back(make_ray(org, glm::normalize(1.2 * std::sqrt(random.uniform()) * across - org)));
+    SCOPED_TRACE(distance);
+    const RayBatch rays = rays_at_far_sphere(distance);
+    const HitBatch hits = trace(scene, rays), published_hits = trace(scene, rays, "bvh:sphere_test=haines");
+    int wrong = 0, published_wrong = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const bool meets = verify::true_hits(rays[i], sphere).count > 0;
+      wrong += (hits.prim[i] >= 0) != meets;
+      published_wrong += (published_hits.prim[i] >= 0) != meets;
     }
-    const HitBatch hits = trace(scene, rays);
-    int wrong = 0;
-    for (std::size_t i = 0; i < rays.size(); ++i) wrong += (hits.prim[i] >= 0) != (verify::true_hits(rays[i], sphere).count > 0);
+    // On the same rays the published formula errs as often or oftener.
+    EXPECT_LE(wrong, published_wrong);
     // Both counts are random, with the variance of their mean: 4 standard deviations of the difference; 0 of them leaves room for 3.
-    EXPECT_LE(wrong, published + 4 * std::sqrt(2.0 * published) + 3) << distance;
-    RecordProperty("wrong_at_1e" + std::to_string(std::lround(std::log10(distance))), wrong);
+    EXPECT_LE(wrong, published + 4 * std::sqrt(2.0 * published) + 3);
+    RecordProperty("wrong_at_1e" + std::to_string(std::lround(std::log10(distance))), std::to_string(wrong) + " " + std::to_string(published_wrong));
   }
 }
 
 TEST_P(PrimitiveKernels, GroundSpheres) {
   for (const double radius : {1e3, 1e5, 1e7}) {
+    SCOPED_TRACE(radius);
     Scene scene;
     scene.add_sphere({0, -radius, 0}, radius);
     scene.finish();
-    const Oracle oracle(scene);
+    const verify::SphereShape sphere = verify::sphere_at(scene.pools(), 0);
     Random random(38);
     RayBatch rays;
-    for (int k = 0; k < 5000; ++k) {
+    for (int k = 0; k < 100000; ++k) {
       const glm::dvec3 dir = random.direction();
       rays.push_back(make_ray({0, 1, 0}, {dir.x, -0.1 - std::abs(dir.y), dir.z}));
     }
     const HitBatch hits = trace(scene, rays);
-    const Accuracy accuracy = verify_closest(oracle, rays, hits, {1e9, 1, 1});
-    EXPECT_EQ(accuracy.mismatches(), 0) << radius;
-    // t relative within 2e-5 at r = 1e3, as the published factored form has it; 1 ulp is at least 2^-24 of t.
-    EXPECT_LE(accuracy.t_ulp_p99, 2e-5 * 0x1p24) << radius;
+    double worst = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_EQ(hits.prim[i], 0) << "ray " << i;
+      const double t = verify::true_hits(rays[i], sphere).t[0];
+      worst = std::max(worst, std::abs(double{hits.t[i]} - t) / t);
+    }
+    EXPECT_LE(worst, 2e-5);
+    RecordProperty("worst_at_1e" + std::to_string(std::lround(std::log10(radius))), std::to_string(worst * 1e6) + "e-6");
   }
 }
 

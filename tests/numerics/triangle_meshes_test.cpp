@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/error_bounds.h"
+#include "experiments/verify/triangle_truth.h"
 #include "experiments/verify/verify.h"
 #include "tests/numerics/kernel_test.h"
 #include "tests/support/random.h"
@@ -52,10 +54,76 @@ TEST_P(TriangleMeshes, ClosedMeshHasNoHoles) {
   const Accuracy accuracy = verify_closest(oracle, rays, hits, {600.0 * mesh.prim_count(), 1, 1});
   EXPECT_EQ(accuracy.rays_checked, 600);
   EXPECT_EQ(accuracy.mismatches(), 0);
-  EXPECT_LE(accuracy.t_ulp_p99, 2);  // measured 1.2
-  EXPECT_LE(accuracy.t_ulp_max, 3);  // of a mesh whose triangles are small beside t: 5 roundings of half an ulp; measured 1.5
   const RayBatch few = rays_at_mesh(mesh, {0, 0, 0}, 0.1, 1500, 32);
   EXPECT_EQ(misses(trace(mesh, few)), 0);
+}
+
+/// Errors of t in ulps, in order, over the hits of rays that truly meet what they hit.
+std::vector<double> depth_errors(const Scene& mesh, const RayBatch& rays, const HitBatch& hits) {
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (hits.prim[i] < 0) continue;
+    const verify::TrueHits met = verify::true_hits(rays[i], verify::triangle_at(mesh.pools(), static_cast<std::size_t>(hits.prim[i])));
+    if (met.count > 0) errors.push_back(ulps(hits.t[i], met.t[0]));
+  }
+  std::sort(errors.begin(), errors.end());
+  return errors;
+}
+
+/// Numerics case 11: t from inside of a unit icosphere, a million rays each at vertices, edges and faces.
+TEST_P(TriangleMeshes, DepthInsideAClosedMeshIsGoodToAFewUlps) {
+  const Scene mesh = test::icosphere(5);
+  const RayBatch rays = rays_at_mesh(mesh, {0, 0, 0}, 0.1, 3'000'000, 36);
+  const std::vector<double> errors = depth_errors(mesh, rays, trace(mesh, rays, "bvh"));
+  ASSERT_GT(errors.size(), rays.size() / 2);  // at vertices and edges most rounded rays truly meet a neighbour alone
+  RecordProperty("t_ulp_p99", std::to_string(errors[errors.size() * 99 / 100]));
+  RecordProperty("t_ulp_max", std::to_string(errors.back()));
+  EXPECT_LE(errors[errors.size() * 99 / 100], 3);
+  EXPECT_LE(errors.back(), 8);
+}
+
+/// What the kernel may err in t: 5 roundings of it and 12 of the triangle's spread along the ray; and what vertices are seen off by across the ray, by which a
+/// plane that is seen at a grazing angle moves along it.
+double promised_error(const Scene& mesh, std::size_t triangle, const Ray& ray, double t) {
+  const glm::dvec3 org(ray.org[0], ray.org[1], ray.org[2]), dir(ray.dir[0], ray.dir[1], ray.dir[2]);
+  const glm::dvec3 a = vertex(mesh, triangle, 0), b = vertex(mesh, triangle, 1), c = vertex(mesh, triangle, 2);
+  const glm::dvec3 size = glm::abs(dir), z = size.x >= std::max(size.y, size.z) ? glm::dvec3(1, 0, 0)
+                                             : size.y >= size.z                 ? glm::dvec3(0, 1, 0)
+                                                                                : glm::dvec3(0, 0, 1);
+  const auto [nearest, farthest] = std::minmax({glm::dot(a, z), glm::dot(b, z), glm::dot(c, z)});
+  const double spread = (farthest - nearest) / glm::dot(size, z);
+  const double away = std::max({glm::distance(a, org), glm::distance(b, org), glm::distance(c, org)});
+  const double slope = std::abs(glm::dot(glm::normalize(glm::cross(b - a, c - a)), dir));
+  return double{kUnitRoundoff} * (5 * t + 12 * spread) + double{kSeenVertexError} * away / slope;
+}
+
+/// Lines at any angle, half of them past a point of the mesh and all but in the plane of what they meet there.
+TEST_P(TriangleMeshes, DepthOfLinesIsAsPromised) {
+  const Scene mesh = test::icosphere(5);
+  Random random(37);
+  RayBatch rays;
+  while (rays.size() < 1'000'000) {
+    const glm::dvec3 org(glm::vec3(random.in_cube(1.5)));
+    const std::size_t triangle = random.below(mesh.pools().triangles.size());
+    const glm::dvec3 a = vertex(mesh, triangle, 0), b = vertex(mesh, triangle, 1), c = vertex(mesh, triangle, 2);
+    const glm::dvec3 middle = (a + b + c) / 3.0, along = random.uniform() * (b - a) + random.uniform(-1, 1) * (c - a);
+    const bool grazing = rays.size() % 2 != 0;
+    const glm::dvec3 near = middle - std::pow(10.0, random.uniform(-1, 2)) * along + std::pow(10.0, random.uniform(-8, -2)) * middle;
+    rays.push_back(grazing ? make_ray(near, middle - glm::dvec3(glm::vec3(near))) : make_ray(org, random.direction()));
+  }
+  const HitBatch hits = trace(mesh, rays, "bvh");
+  double worst = 0, random_max = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (hits.prim[i] < 0) continue;
+    const auto triangle = static_cast<std::size_t>(hits.prim[i]);
+    const verify::TrueHits met = verify::true_hits(rays[i], verify::triangle_at(mesh.pools(), triangle));
+    if (met.count == 0) continue;
+    worst = std::max(worst, std::abs(double{hits.t[i]} - met.t[0]) / promised_error(mesh, triangle, rays[i], met.t[0]));
+    if (i % 2 == 0) random_max = std::max(random_max, ulps(hits.t[i], met.t[0]));
+  }
+  RecordProperty("share_of_promise", std::to_string(worst));
+  RecordProperty("random_t_ulp_max", std::to_string(random_max));
+  EXPECT_LE(worst, 1);
 }
 
 TEST_P(TriangleMeshes, ClosedMeshFarFromTheOriginHasNoHoles) {

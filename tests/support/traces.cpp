@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <ios>
 
 #include <gtest/gtest.h>
@@ -49,6 +50,22 @@ Reference::Reference(const Scene& scene, Isa isa) : rays(hard_rays(scene, 7)) {
   const RayBatch cut = cut_at_hits(rays, trace_list(scene, isa, rays).hits);
   for (std::size_t i = 0; i < cut.size(); ++i) rays.push_back(cut[i]);
   list = trace_list(scene, isa, rays);
+}
+
+std::vector<std::string> all_traversals() {
+  std::vector<std::string> texts;
+  for (const StructureEntry& entry : structures()) texts.emplace_back(entry.name);
+  for (const char* setting : {"traversal=heap", "traversal=beam", "traversal=beam,group=16", "traversal=stream", "traversal=auto", "traversal=auto,group=16",
+                              "builder=sbvh,split_overlap=0", "volume=sphere", "volume=obb", "volume=kdop", "volume=kdop,k=26"})
+    texts.push_back("bvh:" + std::string(setting));
+  return texts;
+}
+
+std::string test_name(std::string_view technique) {
+  std::string name(technique);
+  std::ranges::replace_if(
+      name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+  return name;
 }
 
 void expect_same_hits(const HitBatch& hits, const HitBatch& expected, const RayBatch& rays) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -33,6 +34,11 @@ struct Reference {
 
   Reference(const Scene& scene, Isa isa);
 };
+
+/// Every structure with default parameters, and the settings of `bvh` whose kernels or volumes are others: as texts for parse_technique.
+[[nodiscard]] std::vector<std::string> all_traversals();
+/// The same as the name of a test.
+[[nodiscard]] std::string test_name(std::string_view technique);
 
 /// Expects equal bits; shows the first rays that differ.
 void expect_same_hits(const HitBatch& hits, const HitBatch& expected, const RayBatch& rays);
