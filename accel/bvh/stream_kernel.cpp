@@ -1,5 +1,5 @@
-// Stream traversal of an 8-wide hierarchy, for rays that have little in common: those of a slice are sorted by octant, and groups of up to 64 descend together,
-// each node being fetched once for all of a group's rays that want it. An entry of the stack is a child and its rays.
+// Stream traversal of an 8-wide hierarchy, for rays that have little in common: those of a slice are sorted by octant and by the axis of their largest |dir|,
+// and groups of up to 64 descend together, each node being fetched once for all of a group's rays that want it. An entry of the stack is a child and its rays.
 //
 // Events: node_visit once per inner node, for all rays that want it; volume_test eight per such ray, by registers of children; leaf_visit for the rays that
 // want a leaf; prim_test per ray and triangle of the leaf, by registers of triangles, or of rays for other primitives.
@@ -41,21 +41,27 @@ inline void count_node(std::uint64_t rays, Stats stats) noexcept {
 
 template <Query Q, class L, class Stats>
 void test_block_of_group(const TriangleBlock& block, std::uint64_t rays, StreamGroup<L>& group, Stats stats) noexcept {
-  const BlockTriangles<L> triangles(block);
+  const StreamAxes axes = group.axes;
+  const BlockTriangles<L> triangles(block, axes);
+  std::uint64_t blocked = 0;
   for (; rays != 0; rays &= rays - 1) {
     const int i = __builtin_ctzll(rays);
     StreamRay& ray = group.ray[i];
-    RayHit hit{-ray.interval[1], group.prim[i], 0, 0};
-    if (!test_block<L>(ray, block, triangles, hit, stats)) continue;
-    group.prim[i] = hit.prim;
     if constexpr (Q == Query::any) {
-      group.alive &= ~(rays & -rays);
+      const std::uint32_t blockers = blockers_of_block<L>(ray, axes, block, triangles, stats);
+      const int some = __builtin_ctz(blockers | 1u << (TriangleBlock::kTriangles - 1));
+      group.prim[i] = blockers != 0 ? block.prim[some] : group.prim[i];
+      blocked |= blockers != 0 ? rays & -rays : 0;
     } else {
+      RayHit hit{-ray.interval[1], group.prim[i], 0, 0};
+      if (!nearest_of_block<L>(ray, axes, block, triangles, hit, stats)) continue;
+      group.prim[i] = hit.prim;
       ray.interval[1] = -hit.t;
       group.u[i] = hit.u;
       group.v[i] = hit.v;
     }
   }
+  group.alive &= ~blocked;
 }
 
 /// Other primitives, rays in lanes.
@@ -137,19 +143,19 @@ TraceArgs part_of(const TraceArgs& args, std::int32_t first, std::int32_t count)
   return part;
 }
 
-/// Cuts sorted rays into groups of one octant and nearly the same size, `most` at most.
+/// Cuts sorted rays into groups of one bin and nearly the same size, `most` at most.
 struct GroupCutter {
-  const std::int32_t* first_of_octant;
+  const std::int32_t* first_of_bin;
   std::int32_t most;
-  std::uint32_t octant = 0;
+  std::uint32_t bin = 0;
   std::int32_t first = 0;
   std::int32_t count = 0;
 
   bool next() noexcept {
     first += count;
-    while (octant < 8 && first == first_of_octant[octant + 1]) ++octant;
-    if (octant == 8) return false;
-    const std::int32_t left = first_of_octant[octant + 1] - first;
+    while (bin < kStreamBins && first == first_of_bin[bin + 1]) ++bin;
+    if (bin == kStreamBins) return false;
+    const std::int32_t left = first_of_bin[bin + 1] - first;
     const std::int32_t groups = (left + most - 1) / most;
     count = (left + groups - 1) / groups;
     return true;
@@ -158,7 +164,7 @@ struct GroupCutter {
 
 template <Query Q, class L, class Stats>
 void trace_slice(const WideBvhView& bvh, const TraceArgs& args, SortedRays& sorted, std::byte* stacks, Stats stats) noexcept {
-  sort_by_octant<L>(args.rays, sorted);
+  sort_by_bin<L>(args.rays, sorted);
   GroupCutter cutter{sorted.first, args.packet};
   StreamGroup<L> group[kInterleaved];
   StreamStack stack[kInterleaved];
@@ -167,7 +173,7 @@ void trace_slice(const WideBvhView& bvh, const TraceArgs& args, SortedRays& sort
   const auto start = [&](int g) noexcept {
     if (!cutter.next()) return false;
     first[g] = cutter.first;
-    group[g].start(sorted.ray + cutter.first, cutter.count, cutter.octant);
+    group[g].start(sorted.ray + cutter.first, cutter.count, cutter.bin);
     stack[g].size = 0;
     if (group[g].alive != 0) stack[g].push(WideRef(WideRef::Tag::inner, 0), group[g].alive);
     return true;

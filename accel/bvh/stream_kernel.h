@@ -7,7 +7,7 @@
 
 namespace raymeter {
 
-/// Traversal of an 8-wide hierarchy by streams: rays sorted by the octant of their directions, in groups of args.packet at most.
+/// Traversal of an 8-wide hierarchy by streams: rays sorted by octant and longest axis, in groups of args.packet at most.
 template <Isa I, class Stats>
 struct StreamKernel {
   static void closest(const WideBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept;

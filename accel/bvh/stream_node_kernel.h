@@ -33,16 +33,13 @@ struct NodePlanes {
   }
   /// The children of register `r` whose boxes the ray meets before its hit.
   [[gnu::always_inline]] typename L::Mask met(const StreamRay& ray, int r) const noexcept {
-    Float enter(-kInfinity), leave(-kInfinity);  // leave is negated
+    Float enter(ray.interval[0]), leave(ray.interval[1]);  // leave is negated
     for (int a = 0; a < 3; ++a) {
       const Float org(ray.org[a]);
       enter = L::max((first[r][a] - org) * Float(ray.inv_dir[a][0]), enter);
       leave = L::max((last[r][a] - org) * Float(ray.inv_dir[a][1]), leave);
     }
-    const Float slack(ray.slack);
-    enter = L::max(L::mul_add(enter, Float(1.0f - kSlabPadding), slack), Float(ray.interval[0]));
-    leave = L::max(L::mul_add(leave, Float(1.0f + kSlabPadding), slack), Float(ray.interval[1]));
-    return enter + leave <= Float(0.0f);
+    return enter + leave <= Float(ray.slack);
   }
 };
 
@@ -79,15 +76,12 @@ template <>
     const int swapped = (octant >> a & 1) != 0 ? 3 : 0;
     plane[a] = Shuffles::interleave(node.plane[a + swapped], node.plane[a + 3 - swapped]);
   }
-  const float factors[2] = {1.0f - kSlabPadding, 1.0f + kSlabPadding};
-  const Float padding = Shuffles::repeat_pair(factors);
   __m512i met = _mm512_setzero_si512();
   for (; wanted != 0; wanted &= wanted - 1) {
     const StreamRay& one = ray[__builtin_ctzll(wanted)];
-    Float ends(-kInfinity);
+    Float ends = Shuffles::repeat_pair(one.interval);
     for (int a = 0; a < 3; ++a) ends = L::max((plane[a] - Float(one.org[a])) * Shuffles::repeat_pair(one.inv_dir[a]), ends);
-    ends = L::max(L::mul_add(ends, padding, Float(one.slack)), Shuffles::repeat_pair(one.interval));
-    const __mmask16 inside = L::Mask(ends + Shuffles::swap_in_pairs(ends) <= Float(0.0f));
+    const __mmask16 inside = L::Mask(ends + Shuffles::swap_in_pairs(ends) <= Float(one.slack));
     met = _mm512_mask_or_epi32(met, inside, met, _mm512_set1_epi64(static_cast<long long>(wanted & -wanted)));
   }
   ChildRays children;

@@ -15,13 +15,20 @@ template <class L>
 [[gnu::always_inline]] inline void store_records(const RayPacket<L>& from, typename L::Float t, const std::int32_t* to, std::int32_t count,
                                                  SortedRays& sorted) noexcept {
   using Float = typename L::Float;
-  using Int = typename L::Int;
   constexpr int kFields = sizeof(StreamRay) / sizeof(float);
   constexpr int kRows = L::kWidth >= 8 ? L::kWidth : kFields;  // are transposed at once
-  const Int axis = L::select(from.axis_is_z, Int(2), L::select(from.axis_is_y, Int(1), Int(0)));
-  Float field[kFields] = {from.inv_dir[0], -from.inv_dir[0], from.inv_dir[1], -from.inv_dir[1], from.inv_dir[2], -from.inv_dir[2], from.t_min,    -t,
-                          from.org[0],     from.org[1],      from.org[2],     -from.slab_slack, from.shear[0],   from.shear[1],    from.shear[2], {}};
-  L::store(reinterpret_cast<std::int32_t*>(&field[kFields - 1]), axis);
+  const Float nearer(1.0f - kSlabPadding), farther(-1.0f - kSlabPadding);
+  Float field[kFields];
+  for (int a = 0; a < 3; ++a) {
+    field[2 * a] = from.inv_dir[a] * nearer;
+    field[2 * a + 1] = from.inv_dir[a] * farther;
+    field[8 + a] = from.org[a];
+    field[12 + a] = from.shear[a];
+  }
+  field[6] = from.t_min;
+  field[7] = -t;
+  field[11] = from.slab_slack + from.slab_slack;
+  field[15] = Float(0.0f);
   for (int f = 0; f < kFields; f += kRows) {
     if constexpr (L::kWidth >= 8) {
       Float(&rows)[kRows] = *reinterpret_cast<Float(*)[kRows]>(field + f);
@@ -37,19 +44,34 @@ template <class L>
   }
 }
 
-/// Sorts at most kStreamRays rays by octant, keeping their order inside one.
+/// The bins of at most kStreamRays rays: octant + 8 * axis, as load_group() finds it. Of invalid rays any.
 template <class L>
-void sort_by_octant(const RayView& rays, SortedRays& sorted) noexcept {
-  std::uint8_t octant[kStreamRays];
-  std::int32_t next[9] = {};
-  for (std::int32_t i = 0; i < rays.count; ++i) {
-    std::uint32_t signs = 0;
-    for (int a = 0; a < 3; ++a) signs |= __builtin_bit_cast(std::uint32_t, rays.dir[a][i]) >> 31 << a;
-    octant[i] = static_cast<std::uint8_t>(signs);
+void find_bins(const RayView& rays, std::int32_t (&bin)[kStreamRays]) noexcept {
+  using Float = typename L::Float;
+  using Int = typename L::Int;
+  for (std::int32_t first = 0; first < rays.count; first += L::kWidth) {
+    Float size[3];
+    Int signs(0);
+    for (int a = 0; a < 3; ++a) {
+      const Float dir = L::load(rays.dir[a] + first);
+      size[a] = L::abs(dir);
+      signs = signs + L::select(L::negative(dir), Int(1 << a), Int(0));
+    }
+    const auto is_z = (size[2] >= size[0]) & (size[2] >= size[1]);
+    const Int axis = L::select(is_z, Int(16), L::select(size[1] >= size[0], Int(8), Int(0)));
+    L::store(bin + first, signs + axis);
   }
-  for (std::int32_t i = 0; i < rays.count; ++i) ++next[octant[i] + 1];
-  for (int o = 0; o < 8; ++o) next[o + 1] += next[o];
-  for (int o = 0; o < 9; ++o) sorted.first[o] = next[o];
+}
+
+/// Sorts at most kStreamRays rays by bin, keeping their order inside one.
+template <class L>
+void sort_by_bin(const RayView& rays, SortedRays& sorted) noexcept {
+  std::int32_t bin[kStreamRays];
+  std::int32_t next[kStreamBins + 1] = {};
+  find_bins<L>(rays, bin);
+  for (std::int32_t i = 0; i < rays.count; ++i) ++next[bin[i] + 1];
+  for (int b = 0; b < kStreamBins; ++b) next[b + 1] += next[b];
+  for (int b = 0; b <= kStreamBins; ++b) sorted.first[b] = next[b];
   for (std::int32_t first = 0; first < rays.count; first += L::kWidth) {
     const std::int32_t left = rays.count - first;
     const std::int32_t count = left < L::kWidth ? left : L::kWidth;
@@ -60,7 +82,7 @@ void sort_by_octant(const RayView& rays, SortedRays& sorted) noexcept {
     L::store(t_unit, ray.t_unit);
     std::int32_t to[L::kWidth];
     for (std::int32_t lane = 0; lane < count; ++lane) {
-      to[lane] = next[octant[first + lane]]++;
+      to[lane] = next[bin[first + lane]]++;
       sorted.source[to[lane]] = first + lane;
       sorted.t_unit[to[lane]] = t_unit[lane];
     }
@@ -68,12 +90,13 @@ void sort_by_octant(const RayView& rays, SortedRays& sorted) noexcept {
   }
 }
 
-/// Up to kGroupRays rays of one octant, and what they have met.
+/// Up to kGroupRays rays of one bin, and what they have met.
 template <class L>
 struct StreamGroup {
   StreamRay* ray;
   std::int32_t count;
   std::uint32_t octant;
+  StreamAxes axes;
   std::uint64_t alive;  ///< rays that can still be improved
   alignas(64) std::int32_t prim[kGroupRays];
   alignas(64) float u[kGroupRays];
@@ -81,10 +104,11 @@ struct StreamGroup {
   Packet<L, 0> packet;  ///< for the tests of primitives that are no triangles
   bool has_packet;
 
-  void start(StreamRay* rays, std::int32_t size, std::uint32_t of_octant) noexcept {
+  void start(StreamRay* rays, std::int32_t size, std::uint32_t bin) noexcept {
     ray = rays;
     count = size;
-    octant = of_octant;
+    octant = octant_of_bin(bin);
+    axes = axes_of_bin(bin);
     alive = 0;
     has_packet = false;
     for (int i = 0; i < kGroupRays; i += L::kWidth) {
