@@ -20,6 +20,7 @@ from .figure_peer import peer_duels, peer_figure
 from .figure_memory import budget_lines, memory_figure
 from .figure_steps import steps_figure
 from .figure_sweep import sweep, sweep_figure
+from .figure_wrong import wrong_answers, wrong_figure
 from .frames import cuts
 from .scaling import growths
 from .records import Record, Run, whole
@@ -90,6 +91,7 @@ def drafts(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Draft]:
         error_draft(cells, look_of),
         precision_draft(cells),
         price_draft(cells),
+        wrong_draft(cells, look_of),
         run_order_draft(runs, cells, look_of),
     ]
     return [draft for draft in result if draft is not None]
@@ -299,7 +301,7 @@ def precision_draft(cells: Sequence[Cell]) -> Draft | None:
     points = [point for of_panel in panels.values() for point in of_panel]
     where = describe_setting(main_setting([point.cell for point in points]))
     caption = (
-        f"What wrong answers buy, at {where}: rays per second against the share of rays with a false miss, a false hit or a wrong primitive, by exact arithmetic. "
+        f"What wrong answers buy, at {where}: rays per second against the share of rays with a false miss, a false hit or a wrong primitive, against verified answers. "
         "Up and left is better; what stands at 0 had none, so that its rate is below 3 in the number of rays at 95 % confidence. The star is the setting that most cells share, the default where one knob is turned at a time; a line is one "
         "knob, the grey step the front: nothing below or right of it is worth its error. Bars are 95 % confidence intervals of the median."
     )
@@ -316,6 +318,18 @@ def price_draft(cells: Sequence[Cell]) -> Draft | None:
         "1.1 it costs 10 %. Bars are 95 % confidence intervals of the median ratio; which tests were fastest, and how often they were wrong, stands in the table."
     )
     return Draft("price_of_robustness", "The price of robustness", caption, price_figure(found, scene_sizes([price.robust for price in found])))
+
+
+def wrong_draft(cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:
+    """Wrong answers by technique; None where none erred, or where speed against error shows it."""
+    panels = wrong_answers(cells) if not work_precision(cells) else {}
+    if not panels:
+        return None
+    caption = (
+        "Wrong answers of each technique on the same rays: false misses, false hits and wrong primitives per ray, the worst of all instruction sets and packet sizes, on a logarithmic axis. "
+        "What stands at 0 had none among the rays that were held against what is known of them, so that its rate is below 3 in their number at 95 % confidence."
+    )
+    return Draft("wrong_answers", "Wrong answers", caption, wrong_figure(panels, cells, look_of))
 
 
 def run_order_draft(runs: Sequence[Run], cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:

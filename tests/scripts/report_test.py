@@ -20,7 +20,7 @@ from report_support import Page, TemporaryFolder, run_cli
 
 
 SECTIONS = "overview best problems left-out techniques results plots counters builds break-even accuracy images reproduce configuration environment glossary".split()
-PLOTS = "tests_per_ray node_visits_per_ray mrays_per_s tests_vs_time build run_order".split()
+PLOTS = "tests_per_ray node_visits_per_ray mrays_per_s tests_vs_time build wrong_answers run_order".split()
 # A 1 x 1 PNG.
 PIXEL = bytes.fromhex(
     "89504e470d0a1a0a0000000d4948445200000001000000010802000000907753de0000000c4944415408d763f8cfc000000301010018dd8db00000000049454e44ae426082"
