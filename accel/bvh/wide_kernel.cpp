@@ -62,18 +62,28 @@ public:
     octant_ = leading_octant(group_.rays[__builtin_ctz(alive)]);
     if (alone(alive)) return run_one(0, __builtin_ctz(alive), 0);
     std::int32_t size = open(0, alive, 0);
+    // A leaf waits while the next entry is looked at, a node perhaps: by then it has come from memory.
+    BeamEntry waiting{};
+    const auto test_waiting = [&]() noexcept {
+      for (std::uint32_t left = waiting.beams & group_.reach(waiting.first); left != 0; left &= left - 1) test_leaf(waiting, __builtin_ctz(left));
+      waiting.beams = 0;
+    };
     while (size > 0) {
       const BeamEntry entry = stack_[--size];
       const std::uint32_t beams = entry.beams & group_.reach(entry.first);
       if (beams == 0) continue;
       if (entry.child.tag() != WideRef::Tag::inner) {
-        for (std::uint32_t left = beams; left != 0; left &= left - 1) test_leaf(entry, __builtin_ctz(left));
+        test_waiting();
+        waiting = entry;
       } else if (alone(beams)) {
+        test_waiting();
         run_one(entry.child.index(), __builtin_ctz(beams), size);
       } else {
         size = open(entry.child.index(), beams, size);
+        test_waiting();
       }
     }
+    test_waiting();
   }
   /// Takes one beam through the subtree of a node, above what is on the stack.
   void run_one(std::uint32_t index, int p) noexcept {
