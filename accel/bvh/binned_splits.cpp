@@ -1,6 +1,7 @@
 #include "accel/bvh/binned_splits.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace raymeter {
 
@@ -81,16 +82,34 @@ void bin_centers(std::span<const BinnedBox> boxes, const BinMapping& mapping, Bi
   for (int a = 0; a < 3; ++a) std::copy_n(bins.entering[a], mapping.bins, bins.leaving[a]);
 }
 
+namespace {
+
+using Mask4 = int __attribute__((vector_size(16)));
+
+/// Adds the box unless `leave_out` has its bits set, without a branch: they make it NaN.
+void add_unless(NodeBounds& bounds, const BinnedBox& one, int leave_out) noexcept {
+  const Mask4 mask{leave_out, leave_out, leave_out, leave_out};
+  const auto masked = [&](const Row4& row) { return std::bit_cast<Row4>(std::bit_cast<Mask4>(row) | mask); };
+  const Row4 center2 = masked(one.box.min + one.box.max);
+  grow(bounds.box, {masked(one.box.min), masked(one.box.max)});
+  grow(bounds.centers2, {center2, center2});
+}
+
+}  // namespace
+
 Halves partition(std::span<BinnedBox> boxes, const BinnedSplit& split, const BinMapping& mapping) {
   Halves halves;
   if (split.axis >= 0) {
-    const auto in_left = [&](std::size_t i) { return mapping.bin(mapping.place(boxes[i]), split.axis) < split.bin; };
-    std::size_t end = boxes.size();
-    for (std::size_t& i = halves.left_count;;) {
-      while (i < end && in_left(i)) halves.left.add(boxes[i++]);
-      while (i < end && !in_left(end - 1)) halves.right.add(boxes[--end]);
-      if (i == end) break;
-      std::swap(boxes[i], boxes[end - 1]);
+    // Which side a box is on no branch can foresee: each changes places with the first of the right child, which moves on where that was wanted.
+    std::size_t& left = halves.left_count;
+    for (BinnedBox& box : boxes) {
+      const BinnedBox one = box;
+      const bool in_left = mapping.bin(mapping.place(one), split.axis) < split.bin;
+      box = boxes[left];
+      boxes[left] = one;
+      left += in_left ? 1 : 0;
+      add_unless(halves.left, one, in_left ? 0 : -1);
+      add_unless(halves.right, one, in_left ? -1 : 0);
     }
     if (halves.left_count > 0 && halves.left_count < boxes.size()) return halves;
   }

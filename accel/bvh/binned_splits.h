@@ -31,9 +31,10 @@ struct Box4 {
 inline constexpr float kInfinite = std::numeric_limits<float>::infinity();
 inline constexpr Box4 kEmptyBox4{{kInfinite, kInfinite, kInfinite, kInfinite}, {-kInfinite, -kInfinite, -kInfinite, -kInfinite}};
 
+/// What is NaN in `other` is left out.
 inline void grow(Box4& box, const Box4& other) noexcept {
-  box.min = box.min < other.min ? box.min : other.min;
-  box.max = box.max > other.max ? box.max : other.max;
+  box.min = other.min < box.min ? other.min : box.min;
+  box.max = other.max > box.max ? other.max : box.max;
 }
 
 [[nodiscard]] inline float half_area(const Box4& box) noexcept {

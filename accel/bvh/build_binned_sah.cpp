@@ -10,6 +10,7 @@
 #include "accel/bvh/binned_splits.h"
 #include "accel/bvh/box_builders.h"
 #include "accel/bvh/build_prims.h"
+#include "core/base/column.h"
 #include "core/base/threads.h"
 
 namespace raymeter {
@@ -24,11 +25,11 @@ public:
     collect();
     BvhTree tree;
     if (boxes_.empty()) return tree;
-    nodes_.resize(2 * boxes_.size());
+    nodes_.resize_for_overwrite(2 * boxes_.size());  // of which few are
     next_node_ = 1;
-    split(0, boxes_, bounds_of(boxes_), 0);
-    nodes_.resize(static_cast<std::size_t>(next_node_));
-    tree.nodes = std::move(nodes_);
+    const std::span<BinnedBox> all(boxes_.data(), boxes_.size());
+    split(0, all, bounds_of(all), 0);
+    tree.nodes.assign(nodes_.begin(), nodes_.begin() + next_node_);
     tree.order.resize(boxes_.size());
     tbb::parallel_for(std::size_t{0}, boxes_.size(), [&](std::size_t i) { tree.order[i] = scene_.prim(boxes_[i].prim()); });
     return tree;
@@ -41,7 +42,7 @@ private:
     for (std::int32_t id = 0; id < scene_.prim_id_count(); ++id) {
       if (!scene_.prim(id).dropped()) ids.push_back(id);
     }
-    boxes_.resize(ids.size());
+    boxes_.resize_for_overwrite(ids.size());
     tbb::parallel_for(std::size_t{0}, ids.size(), [&](std::size_t i) { boxes_[i] = {padded_bounds(scene_.pools(), scene_.prim(ids[i])), ids[i]}; });
   }
 
@@ -53,7 +54,7 @@ private:
 
   void split(std::int32_t node, std::span<BinnedBox> boxes, const NodeBounds& bounds, int depth) {
     BvhTree::Node& made = nodes_[static_cast<std::size_t>(node)];
-    made.box = to_aabb(bounds.box);
+    made = {to_aabb(bounds.box)};
     const std::size_t count = boxes.size();
     const BinMapping mapping(bounds.centers2, bin_count(params_.bins, count));
     const BinnedSplit best = count > 1 && depth < kBalanceDepth ? best_split(boxes, mapping) : BinnedSplit{};
@@ -87,8 +88,8 @@ private:
   const Scene& scene_;
   SahParams params_;
   float node_cost_;
-  std::vector<BinnedBox> boxes_;
-  std::vector<BvhTree::Node> nodes_;
+  Column<BinnedBox> boxes_;
+  Column<BvhTree::Node> nodes_;
   std::atomic<std::int32_t> next_node_{0};
 };
 

@@ -44,6 +44,8 @@ void cut_box(const Box4& box, const SpatialMapping& mapping, int axis, int first
 
 void bin_part(const Scene& scene, const BinnedBox& reference, const SpatialMapping& mapping, Bins& bins) noexcept {
   const PrimRef prim = scene.prim(reference.prim());
+  const bool is_triangle = prim.kind() == PrimKind::triangle;
+  const Corners corners = is_triangle ? corners_of(scene.pools().triangles, prim.index) : Corners{};
   for (int a = 0; a < 3; ++a) {
     if (!mapping.usable(a)) continue;
     const int first = mapping.bin(reference.box.min[a], a), last = mapping.bin(reference.box.max[a], a);
@@ -54,9 +56,9 @@ void bin_part(const Scene& scene, const BinnedBox& reference, const SpatialMappi
       continue;
     }
     std::array<Box4, kMaxBins> part;
-    if (prim.kind() == PrimKind::triangle) {
+    if (is_triangle) {
       std::fill(part.begin() + first, part.begin() + last + 1, kEmptyBox4);
-      cut_triangle(corners_of(scene.pools().triangles, prim.index), mapping, a, first, last, part.data());
+      cut_triangle(corners, mapping, a, first, last, part.data());
     } else {
       cut_box(reference.box, mapping, a, first, last, part.data());
     }
