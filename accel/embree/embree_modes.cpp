@@ -47,13 +47,16 @@ struct Width<16> {
   static constexpr auto occluded = rtcOccluded16;
 };
 
+/// Embree's FLT_LARGE: coordinates beyond it are not supported, and Debian's build of Embree ends the program where it meets such a ray among coherent ones.
+constexpr float kLargestCoordinate = 1.844e18f;
+
 bool valid(const RayView& rays, std::int32_t i) noexcept {
-  bool finite = true, moves = false;
+  bool supported = true, moves = false;
   for (int a = 0; a < 3; ++a) {
-    finite = finite && std::isfinite(rays.org[a][i]) && std::isfinite(rays.dir[a][i]);
+    supported = supported && std::abs(rays.org[a][i]) <= kLargestCoordinate && std::abs(rays.dir[a][i]) <= kLargestCoordinate;  // no NaN is
     moves = moves || rays.dir[a][i] != 0;
   }
-  return finite && moves && rays.t_min[i] <= rays.t_max[i];
+  return supported && moves && rays.t_min[i] <= rays.t_max[i];
 }
 
 /// Field f of ray i in a packet of N: Embree's packets are arrays of N floats in the order of the fields of its single ray.

@@ -32,7 +32,7 @@ def looks_of(points: Sequence[Point]) -> dict[str, Look]:
 
 
 def precision_figure(panels: dict[tuple[str, str], list[Point]]) -> Figure:
-    """Wrong answers a ray on a logarithmic axis with a place of its own for none; Mrays/s with 95 % intervals. A line for each knob, through the usual setting;
+    """Wrong answers a ray on a logarithmic axis with a place of its own for none; Mrays/s with 95 % intervals. A line for each knob, through the usual setting or along its numbers;
     the step line is the front: right of it or below, another setting is faster and errs less."""
     everything = [point for points in panels.values() for point in points]
     cells = [point.cell for point in everything]
@@ -78,7 +78,7 @@ def draw_panel(axes: Axes, points: Sequence[Point], looks: dict[str, Look], zero
     axes.plot(*zip(*ends), color=INK, alpha=0.35, linewidth=3, drawstyle="steps-post", solid_joinstyle="miter", zorder=1)
     usual = [point for point in points if not point.knob]
     for knob in dict.fromkeys(point.knob for point in points if point.knob):
-        line = sorted([*usual, *(point for point in points if point.knob == knob)], key=lambda point: (point.error, point.speed))
+        line = line_of([point for point in points if point.knob == knob], usual)
         colour = next(looks[point.label].colour for point in points if point.knob == knob)
         axes.plot([place(point) for point in line], [point.speed for point in line], color=colour, linewidth=0.9, alpha=0.7, zorder=2)
     for point in points:
@@ -91,6 +91,16 @@ def draw_panel(axes: Axes, points: Sequence[Point], looks: dict[str, Look], zero
     axes.yaxis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 2.5, 5, 10]))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: axis_number(value)))
+
+
+def line_of(turned: Sequence[Point], usual: Sequence[Point]) -> list[Point]:
+    """A knob's points in the order of its values where these are numbers, else, with the usual setting, by rising error."""
+    texts = [point.label.rpartition("=")[2] for point in turned]
+    try:
+        values = [float(text) for text in texts]
+    except ValueError:
+        return sorted([*usual, *turned], key=lambda point: (point.error, point.speed))
+    return [point for _, point in sorted(zip(values, turned), key=lambda pair: pair[0])]
 
 
 def price_figure(found: Sequence[Price], sizes: dict[str, float | None]) -> Figure:

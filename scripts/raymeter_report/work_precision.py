@@ -45,13 +45,15 @@ def setting_of(cell: Cell) -> Setting:
     return {(name, key): value for name, params in slots_of(cell) for key, value in parse_params(params).items()}
 
 
-def usual(settings: Sequence[Setting]) -> Setting:
-    """The value that most cells have of each parameter that most cells have."""
+def usual(cells: Sequence[Cell]) -> Setting:
+    """The value that most cells have of each parameter that most cells have; of what stands before a structure, that all have: without it is usual, too."""
+    structures = {cell.technique[0] for cell in cells}
     values: dict[tuple[str, str], Counter[str]] = defaultdict(Counter)
-    for setting in settings:
-        for key, value in setting.items():
+    for cell in cells:
+        for key, value in setting_of(cell).items():
             values[key][value] += 1
-    return {key: count.most_common(1)[0][0] for key, count in values.items() if 2 * count.total() > len(settings)}
+    least = {key: len(cells) // 2 + 1 if key[0] in structures else len(cells) for key in values}
+    return {key: count.most_common(1)[0][0] for key, count in values.items() if count.total() >= least[key]}
 
 
 def turned(setting: Setting, base: Setting) -> tuple[str, str]:
@@ -70,7 +72,7 @@ def work_precision(cells: Sequence[Cell]) -> dict[tuple[str, str], list[Point]]:
     timed = [cell for cell in at_setting(timed, main_setting(timed)) if error_rate(cell) is not None]
     if not any(error_rate(cell) for cell in timed):
         return {}
-    base = usual([setting_of(cell) for cell in timed])
+    base = usual(timed)
     panels: dict[tuple[str, str], list[Point]] = defaultdict(list)
     for cell in timed:
         knob, label = turned(setting_of(cell), base)

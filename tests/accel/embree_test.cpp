@@ -174,6 +174,24 @@ TEST(Embree, LetsInvalidRaysMissAndLeavesTheirNeighboursAlone) {
   }
 }
 
+TEST(Embree, MissesWithRaysBeyondItsRangeAndDoesNotEndTheProgram) {
+  const Scene scene = load_scene("gen:icosphere:3");
+  SKIP_WITHOUT_EMBREE(scene);
+  RayBatch rays = lines_through_middle(64);
+  for (std::size_t i = 0; i < rays.size(); i += 2) {
+    Ray ray = rays[i];
+    (i % 4 == 0 ? ray.dir : ray.org)[i % 3] = 1e20f;
+    rays.set(i, ray);
+  }
+  for (const char* mode : {"single", "packet4", "packet8", "packet16", "stream", "stream_soa"}) {
+    for (const char* coherence : {"coherent", "incoherent"}) {
+      SCOPED_TRACE(std::string(mode) + ", " + coherence);
+      const Traced answers = traced(scene, rays, std::string("embree:mode=") + mode + ",coherence=" + coherence, best_isa());
+      for (std::size_t i = 0; i < rays.size(); i += 2) EXPECT_EQ(answers.hits.prim[i], -1);
+    }
+  }
+}
+
 TEST(Embree, SaysWhatItCannotServe) {
   const Scene triangles = load_scene("gen:icosphere:1");
   SKIP_WITHOUT_EMBREE(triangles);

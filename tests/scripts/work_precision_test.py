@@ -44,6 +44,11 @@ class WorkPrecision(unittest.TestCase):
         found = [*some_cells(), cell(USUAL, [30.0], 9.0, first_hit="zbuffer:mode=final")]
         self.assertEqual([(p.knob, p.label) for p in work_precision.work_precision(found)["s", "vertices"]][-1], ("zbuffer", "mode=final"))
 
+    def test_a_first_hit_that_one_cell_lacks_is_a_knob(self) -> None:
+        found = [cell(USUAL, [50.0]), *(cell(USUAL, [30.0], 9.0, first_hit=f"zbuffer:resolution={step}") for step in (0.5, 1, 2))]
+        points = work_precision.work_precision(found)["s", "vertices"]
+        self.assertEqual([(p.knob, p.label) for p in points], [("", work_precision.DEFAULT), *(("zbuffer", f"resolution={step}") for step in (0.5, 1, 2))])
+
     def test_front_holds_what_nothing_beats(self) -> None:
         points = work_precision.work_precision(some_cells())["s", "vertices"]
         self.assertEqual([point.error for point in work_precision.front(points)], [0.0, 3e-4, 0.13])
