@@ -1,10 +1,12 @@
 #include "accel/embree/embree.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <limits>
 #include <map>
 #include <mutex>
+#include <vector>
 
 #include "accel/embree/embree_modes.h"
 #include "core/ray/ray_batch.h"
@@ -27,18 +29,6 @@ private:
   unsigned before_;
 };
 
-RayView slice_of(const RayView& rays, std::int32_t first, std::int32_t count) noexcept {
-  RayView slice = rays;
-  for (int a = 0; a < 3; ++a) {
-    slice.org[a] += first;
-    slice.dir[a] += first;
-  }
-  slice.t_min += first;
-  slice.t_max += first;
-  slice.count = count;
-  return slice;
-}
-
 std::optional<EmbreeMode> mode_of(const EmbreeParams& params) noexcept {
   for (const EmbreeMode& mode : embree_modes()) {
     if (name(mode.layout) == params.mode) return EmbreeMode{mode.layout, params.coherence == "coherent"};
@@ -46,10 +36,9 @@ std::optional<EmbreeMode> mode_of(const EmbreeParams& params) noexcept {
   return std::nullopt;
 }
 
-/// Seconds that a mode takes for some slices, the best of a few times; `ahead` leaves out the conversion.
+/// Seconds that a mode takes for some slices; `ahead` leaves out the conversion.
 double time_of(const EmbreeScene& scene, EmbreeMode mode, Query query, const RayView& rays, bool ahead) {
   constexpr std::int32_t kSlices = 64;
-  constexpr int kTimes = 3;
   using Clock = std::chrono::steady_clock;
   const FlushDenormals flush;
   Column<std::byte> space(embree_bytes(mode.layout, query, kSliceRays));
@@ -58,21 +47,17 @@ double time_of(const EmbreeScene& scene, EmbreeMode mode, Query query, const Ray
   Column<std::int32_t> blocker(kSliceRays);
   const auto slices = static_cast<std::int32_t>(slice_count(static_cast<std::size_t>(rays.count)));
   const std::int32_t taken = std::min(slices, kSlices);
-  double best = std::numeric_limits<double>::infinity();
-  for (int time = 0; time < kTimes; ++time) {
-    double sum = 0;
-    for (std::int32_t s = 0; s < taken; ++s) {
-      const std::int32_t first = static_cast<std::int32_t>(std::int64_t{s} * slices / taken) * kSliceRays;
-      const RayView slice = slice_of(rays, first, std::min(kSliceRays, rays.count - first));
-      auto start = Clock::now();
-      to_embree(mode.layout, query, slice, space.data());
-      if (ahead) start = Clock::now();
-      trace_embree(scene, mode, query, space.data(), hits.view(0, static_cast<std::size_t>(slice.count)), blocker.data(), slice.count);
-      sum += std::chrono::duration<double>(Clock::now() - start).count();
-    }
-    best = std::min(best, sum);
+  double sum = 0;
+  for (std::int32_t s = 0; s < taken; ++s) {
+    const std::int32_t first = static_cast<std::int32_t>(std::int64_t{s} * slices / taken) * kSliceRays;
+    const RayView slice = slice_of(rays, first, std::min(kSliceRays, rays.count - first));
+    auto start = Clock::now();
+    to_embree(mode.layout, query, slice, space.data());
+    if (ahead) start = Clock::now();
+    trace_embree(scene, mode, query, space.data(), hits.view(0, static_cast<std::size_t>(slice.count)), blocker.data(), slice.count);
+    sum += std::chrono::duration<double>(Clock::now() - start).count();
   }
-  return best;
+  return sum;
 }
 
 class EmbreeIntersector final : public Intersector {
@@ -113,16 +98,15 @@ public:
   }
 
 private:
+  /// By the least time of several rounds, so that a slow spell of the machine decides nothing.
   [[nodiscard]] EmbreeMode fastest(const RayView& rays, Query query) const {
-    EmbreeMode best;
-    double best_s = std::numeric_limits<double>::infinity();
-    for (const EmbreeMode& mode : embree_modes()) {
-      const double s = time_of(*scene_, mode, query, rays, ahead_);
-      if (s >= best_s) continue;
-      best_s = s;
-      best = mode;
+    constexpr int kRounds = 5;
+    const auto modes = embree_modes();
+    std::vector<double> least_s(modes.size(), std::numeric_limits<double>::infinity());
+    for (int round = 0; round < kRounds; ++round) {
+      for (std::size_t m = 0; m < modes.size(); ++m) least_s[m] = std::min(least_s[m], time_of(*scene_, modes[m], query, rays, ahead_));
     }
-    return best;
+    return modes[static_cast<std::size_t>(std::ranges::min_element(least_s) - least_s.begin())];
   }
 
   void trace(Query query, const RayView& rays, const HitView& hits, std::int32_t* blocker, std::byte* scratch) const noexcept {
