@@ -157,7 +157,11 @@ nlohmann::ordered_json config_schema() {
       closed_object({{"oracle", described({{"type", "boolean"}}, "hold hits against the exact oracle")},
                      {"max_tests", described({{"type", "number"}, {"minimum", 0}}, "ray-primitive tests of one verification; beyond, rays are sampled")},
                      {"hit_mismatch_max", described({{"type", "number"}, {"minimum", 0}, {"maximum", 1}}, "share of the rays that may be wrong")}});
-  const Json steps = described({{"type", "boolean"}}, "the structures are steps with one ingredient each: the report draws what each brings");
+  const Json ingredient = closed_object({{"name", {{"type", "string"}}},
+                                         {"with", described(pattern_schema(), "fields of cells that have it; the fastest counts")},
+                                         {"without", described(pattern_schema(), "fields of cells that have it not; likewise")}},
+                                        {"name", "with", "without"});
+  const Json ingredients{{"type", "array"}, {"items", ingredient}, {"description", "of which the report draws what each brings"}};
   Json properties{{"$schema", {{"type", "string"}}},
                   {"schema_version", {{"const", kSchemaVersion}}},
                   {"name", {{"type", "string"}, {"pattern", "^[A-Za-z0-9_][A-Za-z0-9._-]*$"}, {"description", "letters, digits, '.', '_' and '-'"}}},
@@ -167,7 +171,7 @@ nlohmann::ordered_json config_schema() {
                   {"image", described(image, "the camera that makes the rays, and the pixels of images")},
                   {"measure", measure_schema()},
                   {"verify", verify},
-                  {"report", closed_object({{"steps", steps}})}};
+                  {"report", closed_object({{"ingredients", ingredients}})}};
   Json schema{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "raymeter experiment"}};
   schema.update(closed_object(properties, {"name", "matrix"}));
   return schema;

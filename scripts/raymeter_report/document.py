@@ -17,10 +17,10 @@ from .glossary import GLOSSARY, SYMBOL_NOTE, Term
 from .hard_cases import hard_cases_table
 from .peer import peer_table
 from .pictures import Picture, pictures_of
+from .price_list import price_list_table
 from .records import Run
 from .scaling import scaling_table
 from .shadow_cache import shadow_cache_table
-from .steps import steps_table
 from .work_precision import price_table
 from .table import Table, in_order
 from .tables import (
@@ -57,7 +57,7 @@ class Report:
     counters: Table
     builds: Table
     scaling: Table
-    steps: Table
+    price_list: Table
     break_even: Table
     volumes: Table
     frames: Table
@@ -101,7 +101,7 @@ def make_report(runs: Sequence[Run], out: Path) -> Report:
         counters=counters_table(cells),
         builds=builds_table(cells),
         scaling=scaling_table(cells),
-        steps=steps_table(runs, cells),
+        price_list=price_list_table(runs, cells),
         break_even=break_even_table(cells),
         volumes=volumes_table(cells),
         frames=frames_table(cells),

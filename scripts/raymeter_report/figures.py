@@ -18,13 +18,13 @@ from .figure_precision import precision_figure, price_figure
 from .figure_scatter import Point, run_order_figure, scatter_figure
 from .figure_peer import peer_duels, peer_figure
 from .figure_memory import budget_lines, memory_figure
-from .figure_steps import steps_figure
+from .figure_price_list import price_list_figure
 from .figure_sweep import sweep, sweep_figure
 from .figure_wrong import wrong_answers, wrong_figure
 from .frames import cuts
-from .scaling import growths
+from .price_list import price_list
 from .records import Record, Run, whole
-from .steps import steps
+from .scaling import growths
 from .style import Look, inline_svg, looks, neutral_svg, save_figure, styled, svg_of
 from .work_precision import prices, work_precision
 
@@ -86,7 +86,7 @@ def drafts(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Draft]:
         *best_drafts(cells, look_of),
         *sweep_drafts(cells, look_of),
         scaling_draft(cells, look_of),
-        steps_draft(runs, cells, look_of),
+        price_list_draft(runs, cells),
         memory_draft(cells, look_of),
         error_draft(cells, look_of),
         precision_draft(cells),
@@ -253,16 +253,16 @@ def scaling_draft(cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | No
     return Draft("scaling", "Cost against primitives", caption, scaling_figure(found, look_of))
 
 
-def steps_draft(runs: Sequence[Run], cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:
-    """What each step brings; None where no config says that its structures are steps."""
-    found = steps(runs, cells)
+def price_list_draft(runs: Sequence[Run], cells: Sequence[Cell]) -> Draft | None:
+    """What each ingredient brings; None where no config names any."""
+    found = price_list(runs, cells)
     if not found:
         return None
     caption = (
-        f"What each ingredient brings, at {describe_setting(main_setting(cells))}: how many times as fast a step is as the one above it, the first of them as {found[0].before}. Bars are "
-        "geometric means over scenes, marks the single scenes with the 95 % confidence interval of the median ratio over the rounds of the run."
+        "What each ingredient brings: how many times as fast rays are with it as without. Bars are geometric means over scenes, marks the single scenes with the 95 % "
+        "confidence interval of the median ratio over the rounds of the run. The table says which settings stand behind an ingredient."
     )
-    return Draft("steps", "Price list", caption, steps_figure(found, look_of))
+    return Draft("price_list", "Price list", caption, price_list_figure(found))
 
 
 def memory_draft(cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:

@@ -26,7 +26,7 @@ def markdown(report: Report, out: Path) -> str:
     for plot in report.plots:
         links = ", ".join(f"[{path.suffix[1:].upper()}]({link(path, out)})" for path in plot.files)
         parts += [f"### {plot.title}", f"![{plot.title}]({link(plot.files[0], out)})", f"{escape(plot.caption)} ({links})"]
-    parts += block(report.counters, "## Counters") + block(report.builds, "## Builds") + block(report.scaling, "## Scaling") + block(report.steps, "## Price list")
+    parts += block(report.counters, "## Counters") + block(report.builds, "## Builds") + block(report.scaling, "## Scaling") + block(report.price_list, "## Price list")
     parts += block(report.break_even, "## Break-even")
     parts += block(report.volumes, "## Bounding volumes")
     parts += block(report.frames, "## Frames") + block(report.depth_control, "## Adaptive depth control") + block(report.shadow_cache, "## Shadow cache") + block(report.price, "## Price of robustness")

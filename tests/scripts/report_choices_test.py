@@ -12,7 +12,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run
-from raymeter_report import best_settings, cells, figure_peer, figures, hard_cases, numbers, peer, records, scaling, shadow_cache, steps, style, tables
+from raymeter_report import best_settings, cells, figure_peer, figures, hard_cases, numbers, peer, price_list, records, scaling, shadow_cache, style, tables
 from report_support import TemporaryFolder, run_cli
 
 
@@ -145,26 +145,34 @@ class Growths(unittest.TestCase):
         return all_of
 
 
-class Steps(TemporaryFolder):
-    """A price list."""
+class PriceList(TemporaryFolder):
+    """Ingredients that a config names."""
 
-    def test_each_step_is_against_the_one_before_it_where_a_config_asks(self) -> None:
-        synthetic_run.write_run(self.folder, isas=["avx2"])
+    def test_an_ingredient_is_the_ratio_of_the_fastest_cells_that_its_patterns_fit(self) -> None:
+        synthetic_run.write_run(self.folder, isas=["sse42", "avx2"])
         manifest = self.folder / "manifest.json"
         document = json.loads(manifest.read_text())
-        for asked in (False, True):
-            document["config_text"] = {"report": {"steps": asked}}
+        trees = {"name": "trees", "with": {"structure.builder": "binned_sah", "isa": ["avx2"]}, "without": {"structure.name": "list", "isa": "avx2"}}
+        lanes = {"name": "lanes", "with": {"isa": "avx2"}, "without": {"isa": "sse42"}}
+        nothing = {"name": "nothing", "with": {"structure.density": 5}, "without": {"isa": "sse42"}}
+        for ingredients in ([], [trees, lanes, nothing]):
+            document["config_text"] = {"report": {"ingredients": ingredients}}
             manifest.write_text(json.dumps(document))
             runs = [records.read_run(self.folder)]
             all_of = cells.load_cells(runs)
-            found = steps.steps(runs, all_of)
-            self.assertEqual(bool(found), asked)
-        self.assertEqual(steps.techniques_in_order(found), ["list", "bvh", "grid"])
-        first = next(one for one in found if (one.scene, one.rays, one.technique) == ("spd:balls:4", "primary", "bvh"))
-        time = {cell.label: cell.number("median_ns_per_ray") for cell in all_of if (cell.scene, cell.rays) == ("spd:balls:4", "primary")}
-        self.assertAlmostEqual(first.ratio.value / (time["list"] / time["bvh"]), 1.0, delta=0.05)
+            found = price_list.price_list(runs, all_of)
+            self.assertEqual(price_list.names_in_order(found), ["trees", "lanes"] if ingredients else [])
+
+        def price(name: str) -> float:
+            return next(one for one in found if (one.scene, one.rays, one.ingredient) == ("spd:balls:4", "primary", name)).ratio.value
+
+        here = [cell for cell in all_of if (cell.scene, cell.rays) == ("spd:balls:4", "primary")]
+        time = {(cell.label, cell.summary["isa"]): cell.number("median_ns_per_ray") or 0.0 for cell in here}
+        self.assertAlmostEqual(price("trees") / (time["list", "avx2"] / time["bvh", "avx2"]), 1.0, delta=0.05)
+        least = {isa: min(value for (_, of), value in time.items() if of == isa) for isa in ("sse42", "avx2")}
+        self.assertAlmostEqual(price("lanes") / (least["sse42"] / least["avx2"]), 1.0, delta=0.05)
         self.assertEqual(run_cli(self.folder)[0], 0)
-        self.assertTrue((self.folder / "plots" / "steps.svg").is_file())
+        self.assertTrue((self.folder / "plots" / "price_list.svg").is_file())
 
 
 class HardCases(unittest.TestCase):
