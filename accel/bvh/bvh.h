@@ -12,7 +12,7 @@ namespace raymeter {
 struct BvhParams : SahParams, GoldsmithSalmonParams, SbvhParams, PlocParams, TreeParams, VolumeParams {
   std::string volume = "aabb";
   std::string builder = "binned_sah";
-  std::string traversal = "packet";
+  std::string traversal = "auto";
   int group = 256;
   std::string box_test = "padded";
   std::string triangle_test = "woop_kahan";
@@ -21,10 +21,11 @@ struct BvhParams : SahParams, GoldsmithSalmonParams, SbvhParams, PlocParams, Tre
 
   [[nodiscard]] static std::vector<Param<BvhParams>> fields();
   /// Whether the traversal needs the hierarchy of wide_tree.h.
-  [[nodiscard]] bool is_wide() const noexcept { return traversal == "beam" || traversal == "stream" || traversal == "auto"; }
+  [[nodiscard]] bool is_wide() const noexcept { return traversal != "packet" && traversal != "heap"; }
 };
 
-/// As resolve_params; throws Error also where parameters contradict each other.
+/// As resolve_params; throws Error also where parameters contradict each other. traversal=auto becomes packet where the hierarchy of wide_tree.h cannot serve:
+/// volumes other than boxes, nodes of another `width`, tests of packets alone.
 [[nodiscard]] ParamValues resolve_bvh(const ParamValues& values);
 [[nodiscard]] std::unique_ptr<Structure> build_bvh(const Scene& scene, const ParamValues& values, int threads);
 /// Builds once more to look at the tree.

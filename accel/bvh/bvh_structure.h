@@ -77,7 +77,7 @@ public:
     const std::size_t scratch = heap ? bvh_heap_bytes(heap_capacity_) : bvh_stack_bytes(stack_capacity_, options.packet);
     const BvhView<Layout> view{links_.view(pools_), stack_capacity_, heap_capacity_};
     if constexpr (std::same_as<V, AabbVolume>) {
-      if (has_weak_tests(params)) return weak_intersector(view, params, options, scratch);
+      if (!heap && has_weak_tests(params)) return weak_intersector(view, params, options, scratch);
     }
     return std::make_unique<KernelIntersector<BvhView<Layout>>>(view, kernels, options.packet, scratch);
   }

@@ -1,15 +1,26 @@
 #include "accel/bvh/bvh.h"
 #include "accel/bvh/bvh_structure.h"
+#include "accel/bvh/weak_bvh.h"
 #include "accel/bvh/wide_bvh.h"
+#include "accel/bvh/wide_quality.h"
 
 namespace raymeter {
 
+namespace {
+
+/// Asks for what only packets through nodes of their own have.
+bool needs_packets(const BvhParams& params) { return params.volume != "aabb" || params.width != 0 || has_weak_tests(params); }
+
+}  // namespace
+
 ParamValues resolve_bvh(const ParamValues& values) {
-  const auto params = bind<BvhParams>(values);
+  auto params = bind<BvhParams>(values);
   check_volume(params.volume, params);
   check_tree_params(params);
+  if (params.traversal == "auto" && needs_packets(params)) params.traversal = "packet";
   if (params.is_wide()) {
     if (params.volume != "aabb") throw Error("traversal: " + params.traversal + " needs volume=aabb, got " + params.volume);
+    if (params.group % kBeamRays != 0) throw Error("group: expected a multiple of " + std::to_string(kBeamRays) + ", got " + std::to_string(params.group));
     if (params.width != 0) throw Error("width: traversal=" + params.traversal + " has nodes of its own, of 8 children; expected 0");
   }
   return resolved(params);
@@ -25,9 +36,9 @@ std::unique_ptr<Structure> build_bvh(const Scene& scene, const ParamValues& valu
 
 void add_bvh_quality(const Scene& scene, const ParamValues& values, int threads, BuildStats& stats) {
   const auto params = bind<BvhParams>(values);
-  if (params.is_wide()) return;  // its tree is collapsed as no builder hands it over
   // The layout does not keep the tree.
-  const BvhTree tree = build_bvh_tree(scene, params, threads);
+  BvhTree tree = build_bvh_tree(scene, params, threads);
+  if (params.is_wide()) tree = plain_tree(scene, make_wide_tree(scene, std::move(tree), params.max_leaf_size, threads));
   add_box_quality(scene, tree, threads, stats);
   with_volume(params.volume, params, scene, [&](const auto& volume) { add_volume_quality(tree, node_measures(volume, scene, tree, threads), stats); });
 }

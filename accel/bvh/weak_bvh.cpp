@@ -34,7 +34,6 @@ std::unique_ptr<Intersector> with_box_test(const BvhView<AabbLayout>& bvh, const
 
 bool has_weak_tests(const BvhParams& params) {
   const BvhParams robust;
-  if (params.traversal != "packet" || params.volume != "aabb") return false;
   return params.box_test != robust.box_test || params.triangle_test != robust.triangle_test || params.sphere_test != robust.sphere_test;
 }
 

@@ -5,6 +5,7 @@
 #include "accel/bvh/auto_intersector.h"
 #include "accel/bvh/bvh.h"
 #include "accel/bvh/collapse.h"
+#include "accel/bvh/single_kernel.h"
 #include "accel/bvh/stream_kernel.h"
 #include "accel/bvh/wide_kernel.h"
 #include "accel/bvh/wide_tree.h"
@@ -17,13 +18,11 @@ namespace {
 class WideBvh final : public Structure {
 public:
   WideBvh(const Scene& scene, const Aabb& box, WideTree tree)
-      : tree_(std::move(tree)), pools_(reordered(scene.pools(), tree_.order)), view_{tree_.nodes.data(),
-                                                                                     tree_.blocks.data(),
-                                                                                     tree_.runs.data(),
-                                                                                     pools_.view(),
-                                                                                     {box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z},
-                                                                                     tree_.stack_capacity,
-                                                                                     kMaxGroupRays} {
+      : tree_(std::move(tree)),
+        pools_(reordered(scene.pools(), tree_.order)),
+        view_{tree_.nodes.data(),   tree_.blocks.data(), tree_.runs.data(), pools_.view(), {box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z},
+              tree_.stack_capacity, kMaxGroupRays},
+        leaves_(leaf_sizes(tree_.nodes.span())) {
     tree_.order = {};
     tree_.stats.mem_bytes = sizeof *this + tree_.nodes.bytes() + tree_.blocks.bytes() + tree_.runs.capacity() * sizeof(PrimitiveRun) + pools_.mem_bytes();
   }
@@ -32,7 +31,9 @@ public:
     const std::string traversal = bind<BvhParams>(options.params).traversal;
     if (traversal == "beam") return beams(options);
     if (traversal == "stream") return streams(options);
-    return std::make_unique<AutoIntersector>(beams(options), streams(options), options.packet);
+    if (traversal == "single") return singles(options);
+    return std::make_unique<AutoIntersector>(AutoIntersector::Traversals{beams(options), streams(options), singles(options)}, options.packet,
+                                             simd_width(options.isa), leaves_, view_.box);
   }
 
 private:
@@ -46,20 +47,29 @@ private:
     return std::make_unique<KernelIntersector<WideBvhView>>(view_, kernels_for<StreamKernel, WideBvhView>(options.isa), options.packet,
                                                             stream_bytes(view_.stack_capacity));
   }
+  [[nodiscard]] std::unique_ptr<Intersector> singles(const QueryOptions& options) const {
+    return std::make_unique<KernelIntersector<WideBvhView>>(view_, kernels_for<SingleKernel, WideBvhView>(options.isa), options.packet,
+                                                            single_bytes(view_.stack_capacity));
+  }
 
   WideTree tree_;
   Pools pools_;
   WideBvhView view_;
+  LeafSizes leaves_;
 };
 
 }  // namespace
 
-std::unique_ptr<Structure> build_wide_bvh(const Scene& scene, BvhTree tree, int max_leaf_size, int threads) {
+WideTree make_wide_tree(const Scene& scene, BvhTree tree, int max_leaf_size, int threads) {
   if (std::ranges::any_of(tree.nodes, [](const BvhTree::Node& node) { return node.child_count > 2; })) tree = with_width(tree, 2, threads);
-  const Aabb box = tree.nodes.empty() ? Aabb{} : tree.nodes[0].box;
   WideTreeSettings settings;
   settings.max_leaf_size = max_leaf_size;
-  return std::make_unique<WideBvh>(scene, box, collapse_wide(scene, std::move(tree), settings, threads));
+  return collapse_wide(scene, std::move(tree), settings, threads);
+}
+
+std::unique_ptr<Structure> build_wide_bvh(const Scene& scene, BvhTree tree, int max_leaf_size, int threads) {
+  const Aabb box = tree.nodes.empty() ? Aabb{} : tree.nodes[0].box;
+  return std::make_unique<WideBvh>(scene, box, make_wide_tree(scene, std::move(tree), max_leaf_size, threads));
 }
 
 }  // namespace raymeter

@@ -19,9 +19,10 @@ Column<std::uint64_t> events_per_pixel(const CameraModel& model, Intersector& in
   Column<std::uint64_t> events(rays.size());
   for_each_slice(rays.size(), threads, [&](std::size_t, std::size_t first, std::size_t count) {
     Column<std::byte> scratch(std::max<std::size_t>(64, intersector.scratch_bytes()));
+    const Intersector& suited = intersector.suited(rays.view(first, count), Query::closest);
     for (std::size_t i = first; i < first + count; ++i) {
       Counters counters;
-      intersector.closest_hit(rays.view(i, 1), hits.view(i, 1), &counters, scratch.data());
+      suited.closest_hit(rays.view(i, 1), hits.view(i, 1), &counters, scratch.data());
       events[order != nullptr ? static_cast<std::size_t>(order[i]) : i] = counters.live(event);
     }
   });

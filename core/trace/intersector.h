@@ -26,8 +26,10 @@ public:
   /// `first` on, views of the columns that were prepared, stands for the rays order()[first] .. order()[first + count - 1]: a call answers those, each in its
   /// own place of the batch, so that packets may gather rays from anywhere. All is answered when all slices have been called.
   [[nodiscard]] virtual const std::int32_t* order() const noexcept { return nullptr; }
-  /// What prepare() settled on for such a query by looking at the rays, as "key=value,..."; empty where there was nothing to settle.
+  /// What calls so far settled on for such a query by looking at the rays, as "key=value,..."; empty where there was nothing to settle.
   [[nodiscard]] virtual std::string choice(Query) const { return {}; }
+  /// The one that a call on such a slice is handed to: this one, unless it chooses between several. For looking at what single rays of a slice cost.
+  [[nodiscard]] virtual const Intersector& suited(const RayView&, Query) const noexcept { return *this; }
   /// Scratch space that a slice needs, in bytes.
   [[nodiscard]] virtual std::size_t scratch_bytes() const noexcept { return 0; }
   /// Nearest hit of each ray, ties to the smallest primitive id. Counters null: the timed kernel; given: the counting one. `scratch` is 64-byte aligned.

@@ -9,6 +9,18 @@
 
 namespace raymeter {
 
+RayView slice_of(const RayView& rays, std::int32_t first, std::int32_t count) noexcept {
+  RayView slice = rays;
+  for (int a = 0; a < 3; ++a) {
+    slice.org[a] += first;
+    slice.dir[a] += first;
+  }
+  slice.t_min += first;
+  slice.t_max += first;
+  slice.count = count;
+  return slice;
+}
+
 void for_each_slice(std::size_t ray_count, int threads, const std::function<void(std::size_t, std::size_t, std::size_t)>& work) {
   const std::size_t slices = slice_count(ray_count);
   const auto run = [&](std::size_t begin, std::size_t end) {

@@ -42,4 +42,9 @@ void trace_any(const Intersector& intersector, const RayBatch& rays, Column<std:
   });
 }
 
+std::string choices(const Intersector& intersector) {
+  const std::string closest = intersector.choice(Query::closest), any = intersector.choice(Query::any);
+  return any.empty() ? closest : closest + (closest.empty() ? "any: " : "; any: ") + any;
+}
+
 }  // namespace raymeter

@@ -11,6 +11,7 @@
 #include "core/base/threads.h"
 #include "core/render/heat_map.h"
 #include "core/render/whitted.h"
+#include "core/trace/trace.h"
 #include "experiments/atomic_file.h"
 #include "experiments/cli/choices.h"
 #include "experiments/cli/cli.h"
@@ -109,6 +110,7 @@ ExitCode make_image(const ImageOptions& options, std::ostream& messages) {
   if (!options.heatmap.empty()) picture = heat_map(options.heatmap, *intersector, stats);
   out.write(png_bytes(picture));
   if (stats_file) {
+    stats.choice = choices(*intersector);
     if (stats.threads == 0) stats.threads = all_threads();
     stats_file->write(image_stats_json(stats));
     stats_file->commit();

@@ -76,6 +76,7 @@ ExitCode trace(const TraceOptions& options) {
   stats.build = structure->stats();
   const std::unique_ptr<Intersector> intersector = structure->intersector({stats.isa, stats.packet, stats.technique.params});
   trace_into(out, *intersector, rays, stats_file.has_value(), stats);
+  stats.choice = choices(*intersector);
   if (stats.threads == 0) stats.threads = all_threads();
   if (stats_file) {
     stats_file->write(trace_stats_json(stats));

@@ -29,6 +29,7 @@ std::string image_stats_json(const ImageStats& stats) {
       {"num_prims", stats.num_prims},
       {"structure", stats.technique.structure->name},
       {"params", to_json(stats.technique.params)},
+      {"choice", stats.choice},
       {"first_hit", technique_text(stats.technique.first_hit)},
       {"occlusion", technique_text(stats.technique.occlusion)},
       {"camera", name(stats.model.convention)},

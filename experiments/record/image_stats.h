@@ -28,6 +28,7 @@ struct ImageStats {
   RayCounts rays;
   DepthCounts depth;
   FrameTotals totals;
+  std::string choice;  ///< what the structure settled on by looking at the rays, see choices()
   std::optional<HeatScale> heatmap;
 };
 

@@ -12,6 +12,7 @@ std::string trace_stats_json(const TraceStats& stats) {
       {"num_prims", stats.num_prims},
       {"structure", stats.technique.structure->name},
       {"params", to_json(stats.technique.params)},
+      {"choice", stats.choice},
       {"query", stats.query},
       {"isa", name(stats.isa)},
       {"packet", stats.packet},

@@ -12,6 +12,7 @@ struct TraceStats {
   std::string scene;
   std::int32_t num_prims = 0;
   TechniqueSpec technique;
+  std::string choice;  ///< what the structure settled on by looking at the rays, see Intersector
   std::string query;
   Isa isa = Isa::scalar;
   int packet = 1;

@@ -4,6 +4,7 @@
 
 #include "accel/registry.h"
 #include "core/base/threads.h"
+#include "core/trace/trace.h"
 #include "experiments/config/hash.h"
 #include "experiments/record/tables.h"
 #include "experiments/run/frame_verification.h"
@@ -37,6 +38,7 @@ void SceneRun::check_frame(Live& live, FrameVerification& verification) {
   record.cell = cell.id;
   record.rays = pass.rays.all();
   record.threads = cell.threads > 0 ? cell.threads : all_threads();
+  record.choice = choices(*live.intersector);
   record.counters = pass.totals.sum().counters;
   record.hit_hash = hex_text(answers_.hash());
   record.hit_mismatch = verdict.mismatches;

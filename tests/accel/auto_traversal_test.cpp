@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
-#include "accel/bvh/coherence.h"
+#include "accel/bvh/beam_estimate.h"
 #include "accel/registry.h"
 #include "core/trace/trace.h"
 #include "tests/support/test_rays.h"
@@ -20,41 +22,87 @@ RayBatch fan(int count, double spread, double length) {
   return rays;
 }
 
-TEST(Coherence, IsTheLengthOfTheMeanDirection) {
-  EXPECT_NEAR(coherence(fan(1000, 0, 3).view(), 8), 1, 1e-6);
-  EXPECT_NEAR(coherence(fan(1000, 0, 1e-15).view(), 8), 1, 1e-6);
-  EXPECT_GT(coherence(fan(1000, 0.01, 1).view(), 8), 0.99);
-  EXPECT_LT(coherence(fan(1000, 2, 1).view(), 8), 0.5);
-  RayBatch opposite;
-  for (int i = 0; i < 64; ++i) opposite.push_back(test::make_ray({0, 0, 0}, {0, 0, i % 2 == 0 ? 1 : -1}));
-  EXPECT_NEAR(coherence(opposite.view(), 4), 0, 1e-6);
+/// One wide node with `leaves` leaves, cubes of a side.
+LeafSizes cubes(int leaves, float side) {
+  WideNode node{};
+  for (int c = 0; c < kWideChildren; ++c) {
+    for (int a = 0; a < 3; ++a) {
+      node.plane[a][c] = c < leaves ? 0.0f : std::numeric_limits<float>::infinity();
+      node.plane[a + 3][c] = c < leaves ? side : -std::numeric_limits<float>::infinity();
+    }
+    node.child[c] = WideRef(WideRef::Tag::block, static_cast<std::size_t>(c));
+  }
+  return leaf_sizes({&node, 1});
 }
 
-TEST(Coherence, LeavesOutWhatIsNoRay) {
+constexpr float kBox[6] = {-1, -1, -1, 1, 1, 1};
+
+TEST(BeamEstimate, MeasuresLeavesByTheirMeanProjectedArea) {
+  const LeafSizes leaves = cubes(5, 2);  // a cube of side 2 has a surface of 24, seen from everywhere 6 on the mean
+  EXPECT_NEAR(leaves.per_width, 2 / std::sqrt(6.0), 1e-6);
+  EXPECT_NEAR(leaves.per_area, 1 / 6.0, 1e-6);
+  EXPECT_EQ(cubes(0, 1).per_width, 0);
+}
+
+TEST(BeamEstimate, ComparesABeamsWidthHalfWayWithLeaves) {
+  const LeafSizes leaves = cubes(8, 1);  // s^2 = 1.5
+  // In the middle of the box, 5 away, pixels are 5 * 0.01 apart; four a side have a variance of 1.25 on each axis.
+  for (const double length : {1.0, 3.0, 1e-15}) {
+    const double width = 5 * 0.01 * std::sqrt(6 * 2 * 1.25), size = std::sqrt(1.5);
+    EXPECT_NEAR(leaves_per_ray(fan(1024, 0.01, length).view(), kBox, leaves), std::pow(1 + width / size, 2), 1e-3) << length;
+    EXPECT_NEAR(leaves_per_ray(fan(1024, 0, length).view(), kBox, leaves), 1, 1e-6);
+  }
+  EXPECT_EQ(leaves_per_ray(fan(1024, 2, 1).view(), kBox, leaves), kBeamRays);
+  RayBatch opposite;
+  for (int i = 0; i < 64; ++i) opposite.push_back(test::make_ray({0, 0, 0}, {0, 0, i % 2 == 0 ? 1 : -1}));
+  EXPECT_EQ(leaves_per_ray(opposite.view(), kBox, leaves), kBeamRays);
+}
+
+TEST(BeamEstimate, LeavesOutWhatIsNoRay) {
   RayBatch rays = fan(16, 0, 1);
-  rays.set(3, test::make_ray({0, 0, 0}, {0, 0, 0}));
-  rays.set(9, test::make_ray({0, 0, 0}, {std::numeric_limits<double>::quiet_NaN(), 0, 1}));
-  EXPECT_NEAR(coherence(rays.view(), 4), 1, 1e-6);
-  EXPECT_EQ(coherence(RayBatch().view(), 4), 1);
+  rays.set(5, test::make_ray({0, 0, 0}, {0, 0, 0}));
+  rays.set(10, test::make_ray({0, 0, 0}, {std::numeric_limits<double>::quiet_NaN(), 0, 1}));
+  EXPECT_NEAR(leaves_per_ray(rays.view(), kBox, cubes(8, 1)), 1, 1e-6);
+  EXPECT_EQ(leaves_per_ray(RayBatch().view(), kBox, cubes(8, 1)), kBeamRays);
 }
 
 TEST(AutoTraversal, ChoosesForEachSliceAndSaysWhat) {
   const Scene& scene = test::scene_named("mixed");
-  const TechniqueSpec spec = parse_technique("bvh:traversal=auto");
+  const TechniqueSpec spec = parse_technique("bvh");
   const auto structure = spec.structure->build(scene, spec.params, 1);
   const RayBatch near = fan(1024, 0.001, 1), wide = fan(1024, 2, 1);
   RayBatch both = near;
   both.append(wide);
   const auto choice = [&](const RayBatch& rays, int packet) {
     const auto intersector = structure->intersector({best_isa(), packet, spec.params});
-    intersector->prepare(rays.view(), Query::closest, 1);
+    HitBatch hits;
+    trace_closest(*intersector, rays, hits, 1);
     EXPECT_EQ(intersector->choice(Query::any), "");
     return intersector->choice(Query::closest);
   };
+  const auto some = [](const RayBatch& rays, std::size_t count) {
+    RayBatch first;
+    for (std::size_t i = 0; i < count; ++i) first.push_back(rays[i]);
+    return first;
+  };
   EXPECT_EQ(choice(near, kMaxPacket), "traversal=beam");
-  EXPECT_EQ(choice(near, 1), "traversal=stream");
+  EXPECT_EQ(choice(near, std::max(4, simd_width(best_isa()) / 2)), "traversal=stream");
+  EXPECT_EQ(choice(near, 1), "traversal=single");
+  EXPECT_EQ(choice(some(near, 4), kMaxPacket), "traversal=beam");
+  EXPECT_EQ(choice(some(near, 3), kMaxPacket), "traversal=single");
   EXPECT_EQ(choice(wide, kMaxPacket), "traversal=stream");
+  EXPECT_EQ(choice(some(wide, 16), kMaxPacket), "traversal=single");  // of four octants
+  EXPECT_EQ(choice(some(wide, 32), kMaxPacket), "traversal=stream");
   EXPECT_EQ(choice(both, kMaxPacket), "traversal=beam|stream");
+  const auto several = structure->intersector({best_isa(), kMaxPacket, spec.params});
+  HitBatch hits;
+  Column<std::int32_t> blockers;
+  trace_closest(*several, near, hits, 1);
+  trace_closest(*several, some(near, 1), hits, 1);
+  trace_any(*several, wide, blockers, 1);
+  EXPECT_EQ(choices(*several), "traversal=single|beam; any: traversal=stream");
+  EXPECT_EQ(several->suited(near.view(), Query::closest).choice(Query::closest), "");
+  EXPECT_NE(&several->suited(near.view(), Query::any), &several->suited(wide.view(), Query::any));
 
   const auto work = [&](const char* technique, const RayBatch& rays, int threads) {
     const TechniqueSpec one = parse_technique(technique);
@@ -63,7 +111,7 @@ TEST(AutoTraversal, ChoosesForEachSliceAndSaysWhat) {
   Traced beam = work("bvh:traversal=beam", near, 1), stream = work("bvh:traversal=stream", wide, 1);
   beam.closest.add(stream.closest);
   for (const int threads : {1, 2, 7}) {
-    const Traced found = work("bvh:traversal=auto", both, threads);
+    const Traced found = work("bvh", both, threads);
     test::expect_same_hits(found.hits, test::trace_list(scene, best_isa(), both).hits, both);
     beam.closest.ray_count = found.closest.ray_count;
     EXPECT_EQ(found.closest, beam.closest) << threads;

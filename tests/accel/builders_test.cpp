@@ -218,7 +218,7 @@ TEST(Builders, EndOnHardInputsWithAnyVolumeAndTraversal) {
     for (const std::string_view builder : bvh_builder_names()) {
       for (const char* volume : {"sphere", "aabb", "obb", "kdop"}) {
         const std::string technique = "bvh:builder=" + std::string(builder) + ",volume=" + volume;
-        const TechniqueSpec spec = parse_technique(technique);
+        const TechniqueSpec spec = parse_technique(technique + ",traversal=packet");
         const auto structure = spec.structure->build(scene, spec.params, 2);
         for (const char* traversal : {",traversal=packet", ",traversal=heap"}) {
           SCOPED_TRACE(scene.name + ", " + technique + traversal);

@@ -57,7 +57,7 @@ TEST(Bvh, EqualsListBitForBit) {
   for (const Isa isa : kIsas) {
     if (!available(isa)) continue;
     const Answer list = answer(scene, rays, "list", isa, simd_width(isa));
-    for (const char* technique : {"bvh", "bvh:traversal=beam", "bvh:traversal=stream"}) {
+    for (const char* technique : {"bvh", "bvh:traversal=packet", "bvh:traversal=beam", "bvh:traversal=stream", "bvh:traversal=single"}) {
       for (const int packet : {1, 5, 16, 64}) {
         const Answer bvh = answer(scene, rays, technique, isa, packet);
         EXPECT_TRUE(bits_equal(list.hits, bvh.hits)) << technique << " " << name(isa) << " packet " << packet;

@@ -85,7 +85,7 @@ TEST(BvhTraversals, NearestFirstOpensTheFewestNodes) {
   const Scene scene = test::mixed_scene(2000, 0.1);
   const RayBatch rays = test::random_rays(2000);
   for (const std::string volume : {"aabb", "sphere", "obb", "kdop"}) {
-    const Counters stack = test::answer(scene, rays, "bvh:volume=" + volume, Isa::scalar, 1).closest;
+    const Counters stack = test::answer(scene, rays, "bvh:traversal=packet,volume=" + volume, Isa::scalar, 1).closest;
     const Counters heap = test::answer(scene, rays, "bvh:traversal=heap,volume=" + volume, Isa::scalar, 1).closest;
     EXPECT_LT(heap.live(Event::node_visit), stack.live(Event::node_visit)) << volume;
     EXPECT_LE(heap.live(Event::leaf_visit), stack.live(Event::leaf_visit)) << volume;

@@ -85,6 +85,8 @@ constexpr std::array kTogether{
     "bvh:traversal=beam,max_leaf_size=1",
     "bvh:traversal=stream,builder=sbvh",
     "bvh:traversal=stream,max_leaf_size=1",
+    "bvh:traversal=single,builder=sbvh",
+    "bvh:traversal=single,max_leaf_size=1",
     "bvh:builder=goldsmith_salmon,insertion_order=*",
     "bvh:builder=goldsmith_salmon,inherited=off",
     "bvh:builder=goldsmith_salmon,leaf_boxes=off",

@@ -77,8 +77,9 @@ TEST(WideTraversal, LosesNoHitAtVerticesNearFarSmallAndLarge) {
         for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(bvh.blocker[i] >= 0, list.hits.prim[i] >= 0) << i;
       };
       for (const int packet : {4, 24}) expect_same("bvh:traversal=beam", packet);
-      for (const char* group : {"16", "40", "64", "256"}) expect_same((std::string("bvh:traversal=beam,group=") + group).c_str(), 64);
+      for (const char* group : {"16", "48", "64", "256"}) expect_same((std::string("bvh:traversal=beam,group=") + group).c_str(), 64);
       expect_same("bvh:traversal=stream", 64);
+      expect_same("bvh:traversal=single", 64);
     }
   }
 }

@@ -22,8 +22,26 @@ TEST(UsedParams, AreAllThatIsResolved) {
   EXPECT_EQ(params_text(parse_technique("bvh:builder=ploc,volume=sphere").params),
             "volume=sphere,builder=ploc,traversal=packet,max_leaf_size=8,node_cost=1,ploc_radius=14,reinsertion=0,width=0,tight=false");
   EXPECT_EQ(params_text(parse_technique("bvh:builder=goldsmith_salmon,insertion_order=file").params),
+            "volume=aabb,builder=goldsmith_salmon,traversal=auto,group=256,max_leaf_size=8,insertion_order=file,inherited=true,leaf_boxes=true,reinsertion=0");
+  EXPECT_EQ(params_text(parse_technique("bvh:builder=goldsmith_salmon,insertion_order=file,traversal=packet").params),
             "volume=aabb,builder=goldsmith_salmon,traversal=packet,insertion_order=file,inherited=true,leaf_boxes=true,reinsertion=0,width=0,box_test=padded,"
             "triangle_test=woop_kahan,sphere_test=robust");
+}
+
+TEST(UsedParams, BringPacketsWhereNothingElseServes) {
+  const auto traversal = [](const char* technique) {
+    for (const auto& [key, value] : parse_technique(technique).params) {
+      if (key == "traversal") return to_string(value);
+    }
+    return std::string();
+  };
+  for (const char* any : {"bvh", "bvh:builder=sbvh", "bvh:max_leaf_size=1", "bvh:box_test=padded", "bvh:width=0"}) EXPECT_EQ(traversal(any), "auto") << any;
+  for (const char* bound : {"bvh:volume=sphere", "bvh:width=4", "bvh:box_test=fma", "bvh:triangle_test=moeller_trumbore,precision=double",
+                            "bvh:sphere_test=naive", "bvh:traversal=auto,volume=obb"}) {
+    EXPECT_EQ(traversal(bound), "packet") << bound;
+  }
+  expect_error_message([] { (void)parse_technique("bvh:traversal=beam,volume=sphere"); }, "bvh:traversal: beam needs volume=aabb, got sphere");
+  expect_error_message([] { (void)parse_technique("bvh:group=40"); }, "bvh:group: expected a multiple of 16, got 40");
 }
 
 TEST(UsedParams, OthersAreRefusedUnlessTheyAreAtTheirDefaults) {
@@ -53,7 +71,7 @@ TEST(UsedParams, AtTheirDefaultsChangeNoId) {
 
 TEST(UsedParams, AReferenceMayHaveFewerOfThem) {
   const std::string reference = R"(, "measure": {"reference": {"structure.volume": "aabb"}})";
-  const std::string structure = R"({"name": "bvh", "volume": ["aabb", "kdop"], "k": [6, 14]})";
+  const std::string structure = R"({"name": "bvh", "traversal": "packet", "volume": ["aabb", "kdop"], "k": [6, 14]})";
   const Config config = parse_config(R"({"name": "n", "matrix": {"scene": "spd:balls:1", "structure": )" + structure + "}" + reference + "}", "c.json", {},
                                      [](const std::string&) -> const char* { return nullptr; });
   EXPECT_EQ(reference_cells(config, expand(config)), (std::vector<std::optional<std::size_t>>{0, 0, 0}));
@@ -64,7 +82,7 @@ TEST(UsedParams, PacketsAndTheHeapShareABuildAndBeamsAndStreamsAnother) {
   ASSERT_EQ(all.size(), 4u);
   EXPECT_EQ(build_text(all[0]), "bvh:volume=aabb,builder=binned_sah,traversal=packet|heap,bins=32,max_leaf_size=8,node_cost=1,reinsertion=0,width=0");
   EXPECT_EQ(build_text(all[1]), build_text(all[0]));
-  EXPECT_EQ(build_text(all[2]), "bvh:volume=aabb,builder=binned_sah,traversal=beam|stream|auto,bins=32,max_leaf_size=8,node_cost=1,reinsertion=0");
+  EXPECT_EQ(build_text(all[2]), "bvh:volume=aabb,builder=binned_sah,traversal=beam|stream|single|auto,bins=32,max_leaf_size=8,node_cost=1,reinsertion=0");
   EXPECT_EQ(build_text(all[3]), build_text(all[2]));
 }
 
