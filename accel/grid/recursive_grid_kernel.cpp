@@ -13,27 +13,14 @@
 #include "accel/grid/recursive_grid_kernel.h"
 
 #include "accel/grid/grid_lanes_kernel.h"
-#include "accel/grid/packet_mailbox_kernel.h"
+#include "accel/packet_mailbox_kernel.h"
 
 namespace raymeter {
 
 namespace {
 
-/// The primitives of a list that lanes have not been tested against.
-template <class L>
-struct UnseenRefs {
-  static constexpr bool kSelective = true;
-  const std::int32_t* list;
-  PacketMailbox* mailbox;  ///< null: all are wanted
-  std::uint32_t kind;      ///< told apart from other kinds
-
-  [[nodiscard]] std::int32_t index(std::int32_t k) const noexcept { return list[k]; }
-  [[nodiscard]] typename L::Mask wanted(typename L::Mask lanes, int group, std::int32_t k) const noexcept {
-    if (mailbox == nullptr) return lanes;
-    const int first = group * L::kWidth;
-    return L::mask(static_cast<std::uint32_t>(mailbox->unseen(kind | static_cast<std::uint32_t>(list[k]), std::uint64_t{L::bits(lanes)} << first) >> first));
-  }
-};
+/// Lists of coarse cells are long, and those that list a primitive lie apart.
+using NestedMailbox = PacketMailbox<256>;
 
 template <Query Q, class L, int kGroups, class Stats>
 class RecursiveWalk {
@@ -42,7 +29,7 @@ class RecursiveWalk {
   static constexpr int kCapacity = Packet<L, kGroups>::kCapacity;
 
 public:
-  RecursiveWalk(const RecursiveGridView& grid, PacketMailbox& mailbox, Packet<L, kGroups>& packet, Stats stats) noexcept
+  RecursiveWalk(const RecursiveGridView& grid, NestedMailbox& mailbox, Packet<L, kGroups>& packet, Stats stats) noexcept
       : grid_(grid), mailbox_(mailbox), packet_(packet), stats_(stats), in_order_(packet.shared_octant() >= 0) {}
 
   void run() noexcept {
@@ -120,7 +107,7 @@ private:
     for (std::int32_t k = 0; k < grid_.kind_count; ++k) {
       const std::int32_t count = slot[k + 1] - slot[k];
       if (count == 0) continue;
-      const UnseenRefs<L> refs{grid_.refs + slot[k], grid_.mailbox ? &mailbox_ : nullptr, static_cast<std::uint32_t>(k) << GridRef::kIndexBits};
+      const UnmetRefs<L, NestedMailbox::kSlots> refs{grid_.refs + slot[k], static_cast<std::uint32_t>(k), grid_.mailbox ? &mailbox_ : nullptr};
       test_refs<Q, L, kGroups>(packet_, here, grid_.pools, grid_.kind[k], count, refs, stats_);
     }
   }
@@ -136,7 +123,7 @@ private:
   }
 
   const RecursiveGridView& grid_;
-  PacketMailbox& mailbox_;
+  NestedMailbox& mailbox_;
   Packet<L, kGroups>& packet_;
   Stats stats_;
   bool in_order_;
@@ -144,10 +131,10 @@ private:
 
 template <Query Q, class L, class Stats>
 void trace(const RecursiveGridView& grid, const TraceArgs& args, Stats stats) noexcept {
-  PacketMailbox mailbox(args.scratch);
+  NestedMailbox mailbox;
   with_groups<L>(args.packet, [&]<int kGroups>() noexcept {
     for_each_packet<Q, L, kGroups>(args, [&](Packet<L, kGroups>& packet) noexcept {
-      mailbox.begin_packet();
+      mailbox.clear();
       RecursiveWalk<Q, L, kGroups, Stats>(grid, mailbox, packet, stats).run();
     });
   });

@@ -7,7 +7,7 @@
 
 namespace raymeter {
 
-/// 3D-DDA through grids in cells of grids. Needs PacketMailbox::kBytes of scratch.
+/// 3D-DDA through grids in cells of grids.
 template <Isa I, class Stats>
 struct RecursiveGridKernel {
   static void closest(const RecursiveGridView& grid, const TraceArgs& args, Counters* counters) noexcept;

@@ -1,4 +1,3 @@
-#include "accel/grid/packet_mailbox_kernel.h"
 #include "accel/grid/recursive_grid.h"
 #include "accel/grid/recursive_grid_kernel.h"
 #include "accel/kernel_intersector.h"
@@ -31,8 +30,7 @@ public:
   [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
     const auto params = bind<RecursiveGridParams>(options.params);
     return std::make_unique<KernelIntersector<RecursiveGridView>>(grid_.view(params.mailbox, params.start == "origin"),
-                                                                  kernels_for<RecursiveGridKernel, RecursiveGridView>(options.isa), options.packet,
-                                                                  PacketMailbox::kBytes);
+                                                                  kernels_for<RecursiveGridKernel, RecursiveGridView>(options.isa), options.packet);
   }
 
 private:

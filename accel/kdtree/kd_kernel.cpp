@@ -19,8 +19,7 @@
 // keeps the ray on the sides it may touch, or NaN, which min and max drop: both. A reciprocal of a denormal component overflows likewise, and the ray moves
 // less than its margin. Where R overflows everything is visited. A ray leaves early only where its interval begins beyond its nearest hit.
 //
-// Mailbox. A primitive may be listed in several leaves. The last kSlots primitives that the packet has tested are remembered, each with the rays that have had
-// it (inverse mailboxing, Shevtsov, Soupikov, Kapustin 2007); the memory is the packet's own and starts empty, so that nothing depends on threads.
+// Mailbox: PacketMailbox, for a primitive may be listed in several leaves.
 //
 // Bounds on a packet (interval arithmetic; Reshetov, Soupikov, Hurley 2005): where all rays share their direction signs, the least and greatest of their
 // moved origins, reciprocals and ends bound when any ray passes a plane. Where they show that no ray is in one of the children, the rays' own intervals stay as
@@ -115,7 +114,7 @@ inline void visit_leaf(const KdView& tree, const KdNode& leaf, KdTravellers<L, k
   for (int g = 0; g < rays.packet.group_count(); ++g) lanes[g] = L::mask(0);
   rays.for_each_group([&](int g) noexcept { lanes[g] = rays.live(g); });
   const auto test = [&](PrimKind kind, std::int32_t first, std::int32_t count) noexcept {
-    const KdRefs<L> refs{tree.refs + first, static_cast<std::uint32_t>(kind), mailbox};
+    const UnmetRefs<L, KdMailbox::kSlots> refs{tree.refs + first, static_cast<std::uint32_t>(kind), mailbox};
     test_refs<Q, L, kGroups>(rays.packet, lanes, tree.pools, kind, count, refs, stats);
   };
   if (leaf.tag() != KdNode::kRuns) {

@@ -1,55 +1,17 @@
 #pragma once
 
-// A packet on its way through a k-d tree: its rays' intervals, the children that wait, bounds on all rays, the primitives tested last. kd_kernel.cpp has the
-// proof.
+// A packet on its way through a k-d tree: its rays' intervals, the children that wait, bounds on all rays. kd_kernel.cpp has the proof.
 
 #include "accel/kdtree/kd_layout.h"
+#include "accel/packet_mailbox_kernel.h"
 #include "core/bounds/slab_kernel.h"
 #include "core/ray/packet_loop.h"
 #include "core/stats/policy.h"
 
 namespace raymeter {
 
-/// The primitives that a packet has tested last.
-class KdMailbox {
-public:
-  void clear() noexcept {
-    for (Slot& slot : slots_) slot = {~0u, 0};
-  }
-  /// Those of `lanes` (bits of the packet) that have not met the primitive yet; they are taken to meet it now.
-  [[nodiscard]] std::uint64_t unmet(std::uint32_t prim, std::uint64_t lanes) noexcept {
-    Slot& slot = slots_[prim / kPrimKindCount % kSlots];
-    if (slot.prim != prim) slot = {prim, 0};
-    const std::uint64_t unmet = lanes & ~slot.met;
-    slot.met |= lanes;
-    return unmet;
-  }
-
-private:
-  static constexpr std::uint32_t kSlots = 16;
-  struct Slot {
-    std::uint32_t prim;
-    std::uint64_t met;
-  };
-  Slot slots_[kSlots];
-};
-
-/// A leaf's references, but for what the rays have met already.
-template <class L>
-struct KdRefs {
-  static constexpr bool kSelective = true;
-  const std::int32_t* list;
-  std::uint32_t kind;
-  KdMailbox* mailbox;  // null: test all
-
-  [[nodiscard]] std::int32_t index(std::int32_t k) const noexcept { return list[k]; }
-  [[nodiscard]] typename L::Mask wanted(typename L::Mask lanes, int group, std::int32_t k) const noexcept {
-    if (mailbox == nullptr) return lanes;
-    const int shift = group * L::kWidth;
-    const std::uint32_t prim = static_cast<std::uint32_t>(list[k]) * std::uint32_t{kPrimKindCount} + kind;
-    return L::mask(static_cast<std::uint32_t>(mailbox->unmet(prim, std::uint64_t{L::bits(lanes)} << shift) >> shift));
-  }
-};
+/// Leaves of well divided trees are short, and those that list a primitive follow each other.
+using KdMailbox = PacketMailbox<16>;
 
 /// Far children that wait, and the intervals of the rays in them: [entry][near, far][group][lane].
 template <class L, int kGroups>

@@ -1,38 +1,12 @@
 #pragma once
 
-// The lists of leaves, and what a packet remembers of its tests: a small table in the slice's scratch, looked up by the primitive's place in its pool
-// (Shevtsov, Soupikov, Kapustin 2007: inverse mailboxing, with lanes instead of rays). A place that is taken is given to the latest, so a test may be repeated,
-// but never is one left out: what a lane has tested has changed its hit already.
+// The lists of leaves, and what they count.
 
 #include "accel/octree/octree_scratch_layout.h"
 #include "core/geometry/run_kernel.h"
 #include "core/ray/packet_loop.h"
 
 namespace raymeter {
-
-template <class L>
-struct MailboxRefs {
-  static constexpr bool kSelective = true;
-  const std::int32_t* list;
-  OctreeMailbox* mailbox;
-  std::int32_t kind_count;
-  std::int32_t kind;
-
-  [[nodiscard]] std::int32_t index(std::int32_t k) const noexcept { return list[k]; }
-  [[nodiscard]] typename L::Mask wanted(typename L::Mask lanes, int group, std::int32_t k) const noexcept {
-    const std::int32_t key = list[k] * kind_count + kind;
-    const std::int32_t place = key & (OctreeMailbox::kPlaces - 1);
-    const std::uint64_t asking = std::uint64_t{L::bits(lanes)} << (group * L::kWidth);
-    if (mailbox->key[place] != key) {
-      mailbox->key[place] = key;
-      mailbox->lanes[place] = asking;
-      return lanes;
-    }
-    const std::uint64_t fresh = asking & ~mailbox->lanes[place];
-    mailbox->lanes[place] |= asking;
-    return fresh == asking ? lanes : L::mask(static_cast<std::uint32_t>(fresh >> (group * L::kWidth)));
-  }
-};
 
 /// Tests the lanes of a packet against the list of a leaf.
 template <Query Q, class L, int kGroups, class Stats>
@@ -44,7 +18,8 @@ inline void test_leaf(const OctreeView& tree, std::int32_t leaf, Packet<L, kGrou
     if (count == 0) continue;
     const std::int32_t* const list = tree.refs + slot[k];
     if (tree.mailbox)
-      test_refs<Q, L, kGroups>(packet, lanes, tree.pools, tree.kind[k], count, MailboxRefs<L>{list, &mailbox, tree.kind_count, k}, stats);
+      test_refs<Q, L, kGroups>(packet, lanes, tree.pools, tree.kind[k], count,
+                               UnmetRefs<L, OctreeMailbox::kSlots>{list, static_cast<std::uint32_t>(k), &mailbox}, stats);
     else
       test_refs<Q, L, kGroups>(packet, lanes, tree.pools, tree.kind[k], count, ListedRefs{list}, stats);
   }

@@ -4,20 +4,12 @@
 #include <cstdint>
 
 #include "accel/octree/octree_layout.h"
+#include "accel/packet_mailbox_kernel.h"
 #include "core/ray/views.h"
 
 namespace raymeter {
 
-/// What a packet remembers of its tests (octree_leaf_kernel.h). Packets have no more lanes than a word has bits.
-struct OctreeMailbox {
-  static constexpr std::int32_t kPlaces = 64;
-  std::uint64_t lanes[kPlaces];  ///< that have tested the primitive
-  std::int32_t key[kPlaces];     ///< index * kind_count + kind; -1 where nothing is kept
-
-  void clear() noexcept {
-    for (std::int32_t& k : key) k = -1;
-  }
-};
+using OctreeMailbox = PacketMailbox<64>;
 
 /// An inner cell that a packet is in: for each lane where its ray is in the cell and when it crosses the three planes that divide it.
 struct alignas(64) OctreeFrame {
