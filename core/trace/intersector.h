@@ -30,7 +30,7 @@ public:
   [[nodiscard]] virtual std::string choice(Query) const { return {}; }
   /// The one that a call on such a slice is handed to: this one, unless it chooses between several. For looking at what single rays of a slice cost.
   [[nodiscard]] virtual const Intersector& suited(const RayView&, Query) const noexcept { return *this; }
-  /// Scratch space that a slice needs, in bytes.
+  /// Scratch space that a slice needs, in bytes. It holds what other slices, of other structures too, have left there.
   [[nodiscard]] virtual std::size_t scratch_bytes() const noexcept { return 0; }
   /// Nearest hit of each ray, ties to the smallest primitive id. Counters null: the timed kernel; given: the counting one. `scratch` is 64-byte aligned.
   virtual void closest_hit(const RayView& rays, const HitView& hits, Counters* counters, std::byte* scratch) const noexcept = 0;

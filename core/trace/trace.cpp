@@ -8,21 +8,23 @@ namespace raymeter {
 
 namespace {
 
-struct Worker {
-  Column<std::byte> scratch;
-  Counters counters;
-};
+/// The thread's scratch space, kept from batch to batch: a frame has many small ones, and a heap takes megabytes.
+std::byte* scratch_of_thread(std::size_t bytes) {
+  thread_local Column<std::byte> scratch;
+  if (scratch.size() < bytes) scratch = Column<std::byte>(bytes);
+  return scratch.data();
+}
 
 /// Calls trace(first, count, counters or null, scratch) for every slice.
 template <class Trace>
 void trace_slices(const Intersector& intersector, std::size_t ray_count, int threads, Counters* counters, Trace&& trace) {
-  tbb::enumerable_thread_specific<Worker> workers([&] { return Worker{Column<std::byte>(std::max<std::size_t>(64, intersector.scratch_bytes())), {}}; });
+  const std::size_t scratch_bytes = std::max<std::size_t>(64, intersector.scratch_bytes());
+  tbb::enumerable_thread_specific<Counters> sums;
   for_each_slice(ray_count, threads, [&](std::size_t, std::size_t first, std::size_t count) {
-    Worker& worker = workers.local();
-    trace(first, count, counters != nullptr ? &worker.counters : nullptr, worker.scratch.data());
+    trace(first, count, counters != nullptr ? &sums.local() : nullptr, scratch_of_thread(scratch_bytes));
   });
   if (counters == nullptr) return;
-  for (const Worker& worker : workers) counters->add(worker.counters);
+  for (const Counters& sum : sums) counters->add(sum);
   counters->ray_count += ray_count;
 }
 
