@@ -51,6 +51,15 @@ bool is_ear(std::span<const Corner> corners, std::size_t at) noexcept {
   return true;
 }
 
+/// Whether nothing is lost without a corner: it is in the place of a neighbour, or the outline turns back there. Straight corners are kept, since neighbours
+/// may have theirs in the same place: between an edge and its halves rays would find a gap.
+bool is_spike(std::span<const Corner> corners, std::size_t at) noexcept {
+  const std::size_t count = corners.size();
+  const glm::dvec2 a = corners[(at + count - 1) % count].point, b = corners[at].point, c = corners[(at + 1) % count].point;
+  const glm::dvec2 before = b - a, after = c - b;
+  return turn(a, b, c) == 0 && before.x * after.x + before.y * after.y <= 0;
+}
+
 void cut_ears(std::vector<Corner> corners, std::int32_t polygon, PolygonTriangles& out) {
   const auto area = [&](std::size_t at) {
     const std::size_t count = corners.size();
@@ -62,7 +71,7 @@ void cut_ears(std::vector<Corner> corners, std::int32_t polygon, PolygonTriangle
     at %= count;
     const bool stuck = refused >= count;  // no ear is left: the outline crosses itself
     const double doubled = area(at);
-    if (doubled != 0 && !stuck && !is_ear(corners, at)) {
+    if (!stuck && !is_spike(corners, at) && !is_ear(corners, at)) {
       ++at;
       ++refused;
       continue;

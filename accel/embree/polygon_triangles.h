@@ -8,7 +8,8 @@
 
 namespace raymeter {
 
-/// Triangles that cover a pool's polygons, for a renderer that knows no others. Of a polygon of n vertices at most n - 2; none of one without an area.
+/// Triangles that cover a pool's polygons, for a renderer that knows no others. Of a simple polygon of n vertices n - 2,
+/// which use all of them, those on straight edges too; none of one without an area.
 struct PolygonTriangles {
   std::vector<std::array<std::uint32_t, 3>> vertex;  ///< places in the pool's vertex columns, in the polygon's order of turning
   std::vector<std::int32_t> polygon;                 ///< whose triangle it is: place in the pool

@@ -1,6 +1,7 @@
 #include "experiments/run/verification.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace raymeter {
 
@@ -52,20 +53,48 @@ Verdicts Verification::judge(const Answers& answers) const {
   return verdicts;
 }
 
+/// Judges hits where the reference has another primitive's; without an oracle nobody can.
+void Verification::judge_others(const Answers& answers, const std::vector<std::size_t>& others, Accuracy& accuracy) const {
+  const auto count = static_cast<std::int64_t>(others.size());
+  if (count == 0) return;
+  if (oracle_ == nullptr) {
+    accuracy.rays_checked -= count;
+    return;
+  }
+  RayBatch rays;
+  Answers their;
+  their.hits.resize(others.size());
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    rays.push_back(rays_.rays[others[k]]);
+    their.hits.t[k] = answers.hits.t[others[k]];
+    their.hits.prim[k] = answers.hits.prim[others[k]];
+  }
+  const Accuracy judged = find_accuracy(rays, their, {});
+  const double share = static_cast<double>(judged.mismatches()) / static_cast<double>(judged.rays_checked);
+  accuracy.wrong_prim += std::llround(share * static_cast<double>(count));
+}
+
 Verdicts Verification::list_errors(const Answers& answers) const {
+  const bool closest = answers.kind == Answers::Kind::closest;
   Verdicts verdicts;
   Accuracy& accuracy = verdicts.accuracy.emplace();
-  if (answers.kind == Answers::Kind::closest && oracle_ != nullptr) accuracy = find_accuracy(rays_.rays, answers, rays_.expected);
-  const bool closest = answers.kind == Answers::Kind::closest;
+  if (closest && oracle_ != nullptr) accuracy = find_accuracy(rays_.rays, answers, rays_.expected);
   const Column<std::int32_t>& theirs = closest ? answers.hits.prim : answers.blocker;
   const Column<std::int32_t>& ours = closest ? reference_.hits.prim : reference_.blocker;
+  const Column<std::int32_t>& known = rays_.expected.prim;
   accuracy.rays_checked = static_cast<std::int64_t>(theirs.size());
-  const bool known = oracle_ != nullptr && closest && !rays_.expected.prim.empty();
-  if (!known) accuracy.false_miss = accuracy.false_hit = 0;
-  for (std::size_t i = 0; !known && i < theirs.size(); ++i) {
-    accuracy.false_miss += theirs[i] < 0 && ours[i] >= 0;
-    accuracy.false_hit += theirs[i] >= 0 && ours[i] < 0;
+  accuracy.false_miss = accuracy.false_hit = accuracy.wrong_prim = 0;
+  std::vector<std::size_t> others;
+  for (std::size_t i = 0; i < theirs.size(); ++i) {
+    const bool told = !known.empty() && known[i] != ExpectedHits::kUnknown;
+    const std::int32_t truth = told ? known[i] : ours[i] < 0 ? ExpectedHits::kNothing : ExpectedHits::kSomething;
+    const Verdict verdict = expected_verdict(truth, theirs[i], closest);
+    accuracy.false_miss += verdict == Verdict::false_miss;
+    accuracy.false_hit += verdict == Verdict::false_hit;
+    accuracy.wrong_prim += verdict == Verdict::wrong_prim;
+    if (!told && closest && theirs[i] >= 0 && ours[i] >= 0 && theirs[i] != ours[i]) others.push_back(i);
   }
+  judge_others(answers, others, accuracy);
   verdicts.mismatches = accuracy.mismatches();
   return verdicts;
 }

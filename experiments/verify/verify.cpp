@@ -35,14 +35,6 @@ double percentile(std::vector<double>& values, double share) {
   return *at;
 }
 
-/// What is expected of a ray says of a hit of `prim`; `prim` < 0: of a miss.
-Verdict expected_verdict(std::int32_t expected, std::int32_t prim, bool closest) noexcept {
-  if (expected == ExpectedHits::kUnknown) return Verdict::correct;
-  if (prim < 0) return expected == ExpectedHits::kNothing ? Verdict::correct : Verdict::false_miss;
-  if (expected == ExpectedHits::kNothing) return Verdict::false_hit;
-  return closest && expected >= 0 && expected != prim ? Verdict::wrong_prim : Verdict::correct;
-}
-
 /// Where the oracle has not looked, or found no fault, what is expected decides.
 std::vector<Check> merged(std::vector<Check> checks, std::span<const std::size_t> asked, const ExpectedHits& expected, const Column<std::int32_t>& prims,
                           const Column<float>* t) {
@@ -55,6 +47,14 @@ std::vector<Check> merged(std::vector<Check> checks, std::span<const std::size_t
     if (t != nullptr && !expected.t.empty() && prims[i] >= 0 && !std::isnan(expected.t[i])) all[i].t_ulp = ulps((*t)[i], expected.t[i]);
   }
   return all;
+}
+
+/// Rays that the oracle or what is expected of them has judged.
+std::int64_t count_judged(std::span<const std::size_t> asked, const ExpectedHits& expected) {
+  auto judged = static_cast<std::int64_t>(asked.size());
+  for (const std::int32_t prim : expected.prim) judged += prim != ExpectedHits::kUnknown ? 1 : 0;
+  if (!expected.prim.empty()) judged -= std::count_if(asked.begin(), asked.end(), [&](std::size_t i) { return expected.prim[i] != ExpectedHits::kUnknown; });
+  return judged;
 }
 
 std::int64_t count_self_hits(const ExpectedHits& expected, const Column<std::int32_t>& prims) {
@@ -73,7 +73,7 @@ Accuracy verify_rays(const Oracle& oracle, const OracleBudget& budget, const Exp
   const std::vector<Check> checks = merged(std::move(asked), indices, expected, prims, t);
 
   Accuracy accuracy;
-  accuracy.rays_checked = static_cast<std::int64_t>(checks.size());
+  accuracy.rays_checked = count_judged(indices, expected);
   accuracy.excused = expected.excused;
   if (!expected.source.empty()) accuracy.self_hits = count_self_hits(expected, prims);
   std::vector<double> errors;
@@ -92,6 +92,13 @@ Accuracy verify_rays(const Oracle& oracle, const OracleBudget& budget, const Exp
 }
 
 }  // namespace
+
+Verdict expected_verdict(std::int32_t expected, std::int32_t prim, bool closest) noexcept {
+  if (expected == ExpectedHits::kUnknown) return Verdict::correct;
+  if (prim < 0) return expected == ExpectedHits::kNothing ? Verdict::correct : Verdict::false_miss;
+  if (expected == ExpectedHits::kNothing) return Verdict::false_hit;
+  return closest && expected >= 0 && expected != prim ? Verdict::wrong_prim : Verdict::correct;
+}
 
 bool Accuracy::ok(double hit_mismatch_max) const noexcept {
   const double allowed = std::max(hit_mismatch_max * static_cast<double>(rays_checked), static_cast<double>(excused));

@@ -34,6 +34,9 @@ struct OracleBudget {
   int threads = 0;         ///< at most; 0: all. The result does not depend on their number
 };
 
+/// What is expected of a ray says of an answer: `prim`, or a miss where that is negative. Of blockers (not `closest`) any may be named.
+[[nodiscard]] Verdict expected_verdict(std::int32_t expected, std::int32_t prim, bool closest) noexcept;
+
 /// Holds all rays against what is expected of them, and against the oracle those that the budget allows. `rays_checked` are those that either has judged.
 [[nodiscard]] Accuracy verify_closest(const Oracle& oracle, const RayBatch& rays, const HitBatch& hits, const OracleBudget& budget,
                                       const ExpectedHits& expected = {});

@@ -148,6 +148,36 @@ TEST(PolygonTriangles, JoinHolesAndEndOnHopelessOutlines) {
   EXPECT_DOUBLE_EQ(areas(pool, triangles, 3).first, 2 * 4.0);
 }
 
+/// Where a neighbour's corner lies on a straight edge, that is a corner of ours: a triangle must end there, or rays find a gap beside it.
+TEST(PolygonTriangles, EndAtStraightCorners) {
+  Scene scene;
+  const glm::dvec3 x = glm::normalize(glm::dvec3(3, 1, 2)), y = glm::normalize(glm::cross(x, glm::dvec3(1, 5, -2)));
+  const auto add = [&](std::initializer_list<glm::dvec2> corners) {
+    std::vector<glm::dvec3> vertices;
+    for (const glm::dvec2& c : corners) vertices.push_back(c.x * x + c.y * y);
+    scene.add_polygon(vertices);
+  };
+  scene.add_polygon(std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 2, 0}});  // a triangle with a corner amid an edge
+  scene.add_polygon(std::vector<glm::dvec3>{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {2, 2, 0}, {1, 2, 0}, {0, 2, 0}, {0, 1, 0}});
+  scene.add_polygon(std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1.5, 0.5, 0}, {1, 1, 0}, {0.5, 0.5, 0}});  // amid all edges
+  add({{0, 0}, {1, 0}, {2, 0}, {3, 0}, {3, 1}, {2, 1}, {1, 1}, {0, 1}});                                                 // straight but for rounding
+  add({{0, 0}, {4, 0}, {4, 4}, {2, 4}, {2, 2}, {1, 2}, {0, 2}});                                                         // concave
+  scene.finish();
+  const PolygonPool& pool = scene.pools().polygons;
+  const PolygonTriangles triangles = triangles_of(pool);
+  for (std::int32_t polygon = 0; polygon < static_cast<std::int32_t>(pool.size()); ++polygon) {
+    const auto [covered, own] = areas(pool, triangles, polygon);
+    EXPECT_NEAR(covered, own, 1e-6 * own) << "polygon " << polygon;
+    const auto first = static_cast<std::uint32_t>(pool.first_vertex[static_cast<std::size_t>(polygon)]);
+    const auto end = static_cast<std::uint32_t>(pool.first_vertex[static_cast<std::size_t>(polygon) + 1]);
+    EXPECT_EQ(std::ranges::count(triangles.polygon, polygon), end - first - 2) << "polygon " << polygon;
+    for (std::uint32_t v = first; v < end; ++v) {
+      const bool used = std::ranges::any_of(triangles.vertex, [&](const auto& triangle) { return std::ranges::count(triangle, v) > 0; });
+      EXPECT_TRUE(used) << "polygon " << polygon << ", corner " << v - first;
+    }
+  }
+}
+
 TEST(Embree, LetsInvalidRaysMissAndLeavesTheirNeighboursAlone) {
   const Scene scene = load_scene("gen:icosphere:3");
   SKIP_WITHOUT_EMBREE(scene);
