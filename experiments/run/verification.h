@@ -22,8 +22,8 @@ struct Verdicts {
 };
 
 /// Holds the cells of one ray set and one instruction set against a reference technique, whose answers what is expected of the rays and the exact oracle
-/// have judged. Techniques agree bit for bit, so that a cell that equals the reference is as right as it; one that differs is judged itself. Blockers may differ:
-/// those that do are judged too.
+/// have judged. Techniques agree bit for bit, so that a cell that equals the reference is as right as it; one that differs is judged itself. Blockers may
+/// differ: those that do are judged too.
 class Verification {
 public:
   /// `oracle` may be null: no exact check.

@@ -52,9 +52,9 @@ protected:
 };
 
 TEST_F(ListedErrors, CountAllRaysHoweverFewTheOracleIsAskedOf) {
-  for (std::size_t i = 0; i < 7; ++i) set(i, 0, 1);           // false
-  for (std::size_t i = 100; i < 111; ++i) set(i, -1, kInf);   // missed
-  for (std::size_t i = 200; i < 240; ++i) set(i, 1, 2);       // the square behind
+  for (std::size_t i = 0; i < 7; ++i) set(i, 0, 1);          // false
+  for (std::size_t i = 100; i < 111; ++i) set(i, -1, kInf);  // missed
+  for (std::size_t i = 200; i < 240; ++i) set(i, 1, 2);      // the square behind
   for (const double max_tests : {1e9, 2.0 * 10}) {
     const Accuracy accuracy = listed(true, max_tests);
     EXPECT_EQ(accuracy.rays_checked, 1000);
