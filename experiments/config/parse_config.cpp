@@ -54,10 +54,11 @@ const Json& file_of(const Json& value) { return value.is_object() ? value["file"
 
 glm::dvec3 parse_point(const Json& value) { return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()}; }
 
-SceneView parse_view(const Json& json) {
+SceneView parse_view(const Json& json, const std::string& path) {
   SceneView view;
   view.eye = parse_point(json["eye"]);
   view.look_at = parse_point(json["look_at"]);
+  if (view.look_at == view.eye) throw Error(path + ".look_at: is where the eye is, expected another point");
   if (json.contains("up")) view.up = parse_point(json["up"]);
   if (json.contains("light")) view.light = parse_point(json["light"]);
   take(json, "fov", view.fov_degrees);
@@ -74,7 +75,7 @@ SceneChoice parse_scene(const Json& value, const Environment& environment, const
   if (value.is_object()) {
     take(value, "name", scene.name);
     take(value, "optional", optional);
-    if (value.contains("view")) scene.view = parse_view(value["view"]);
+    if (value.contains("view")) scene.view = parse_view(value["view"], path + ".view");
   }
   try {
     scene.spec = substituted(file, environment, path);

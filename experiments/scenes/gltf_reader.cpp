@@ -145,7 +145,10 @@ private:
       const glm::dmat4 to_world = visit.parent * local_transform(node);
       if (!is_finite(to_world)) throw node.error("its transform is not finite");
       if (const auto mesh = node.find("mesh")) read_mesh(node, mesh->integer(0, kMaxPrims), to_world);
-      if (const auto camera = node.find("camera")) read_camera(camera->integer(0, kMaxPrims), to_world);
+      if (const auto camera = node.find("camera")) {
+        read_camera(camera->integer(0, kMaxPrims), to_world);
+        if (scene_.camera.look_at == scene_.camera.eye) throw camera->error("its node's transform leaves it no direction");
+      }
       if (const auto children = node.find("children")) push(*children, to_world);
     }
   }

@@ -69,6 +69,7 @@ private:
     camera.eye = finite_triple("a coordinate of 'from'");
     text_.keyword("at");
     camera.look_at = finite_triple("a coordinate of 'at'");
+    if (camera.look_at == camera.eye) throw text_.error("'at' is where 'from' is; expected another point");
     text_.keyword("up");
     camera.up = finite_triple("a coordinate of 'up'");
     text_.keyword("angle");

@@ -59,6 +59,9 @@ TEST(Config, OptionalScenesMayBeAbsentAndNothingElse) {
   const std::string seen = R"({"name": "a", "file": "spd:balls:1", "view": {"eye": [1, 2, 3], "look_at": [0, 0, 0]}})";
   EXPECT_EQ(message(with_scene(seen + "," + seen)), "c.json: matrix.scene[1]: a is the name of another scene too, expected a \"name\" of its own");
   EXPECT_NE(message(with_scene(R"({"file": "spd:balls:1", "view": {"eye": [1, 2], "look_at": [0, 0, 0]}})")).find("matrix.scene[0]"), std::string::npos);
+  EXPECT_NE(message(with_scene(R"({"file": "spd:balls:1", "view": {"eye": [1, 2, 3], "look_at": [1, 2, 3]}})"))
+                .find("matrix.scene[0].view.look_at: is where the eye is, expected another point"),
+            std::string::npos);
 }
 
 TEST(Config, SaysWhichValueIsWrong) {

@@ -59,6 +59,7 @@ TEST(NffReader, GivesFilesWithoutViewADefaultOne) {
 TEST(NffReader, NamesLineAndExpectationOfWhatIsWrong) {
   expect_error("s 1 2", "test.nff:1: the file ends; expected a coordinate of the sphere's centre");
   expect_error("\n\ns 1 2 three 4", "test.nff:3: 'three' is not a number; expected a coordinate of the sphere's centre");
+  expect_error("v from 1 2 3 at 1 2 3 up 0 1 0", "test.nff:1: 'at' is where 'from' is; expected another point");
   expect_error("b 0 0 0\nq 1", "test.nff:2: unknown entity 'q'; expected one of v b l f s c p pp #");
   expect_error("\x01\xff", "test.nff:1: unknown entity '\\x01\\xff'; expected one of v b l f s c p pp #");
   expect_error("p 2 0 0 0 1 1 1", "test.nff:1: '2' is not allowed; expected the number of vertices, an integer from 3 to 2147483647");
