@@ -9,15 +9,12 @@
 
 namespace raymeter {
 
-struct BvhParams : SahParams, GoldsmithSalmonParams, SbvhParams, PlocParams, TreeParams, VolumeParams {
+struct BvhParams : SahParams, GoldsmithSalmonParams, SbvhParams, PlocParams, TreeParams, VolumeParams, TestParams {
   std::string volume = "aabb";
   std::string builder = "binned_sah";
   std::string traversal = "auto";
   int group = 256;
-  std::string box_test = "padded";
-  std::string triangle_test = "woop_kahan";
   std::string precision = "float";
-  std::string sphere_test = "robust";
 
   [[nodiscard]] static std::vector<Param<BvhParams>> fields();
   /// Whether the traversal needs the hierarchy of wide_tree.h.

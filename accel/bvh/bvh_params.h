@@ -31,6 +31,14 @@ struct PlocParams {
   int ploc_radius = 14;
 };
 
+/// Any value but the default gives up right answers for speed (core/geometry/weak_tests.h); accel/weak_settings.h has the names.
+struct TestParams {
+  std::string box_test = "padded";
+  std::string triangle_test = "woop_kahan";
+  std::string sphere_test = "robust";
+  friend bool operator==(const TestParams&, const TestParams&) = default;
+};
+
 /// What is done to a hierarchy once it is built.
 struct TreeParams {
   int reinsertion = 0;

@@ -32,10 +32,7 @@ std::unique_ptr<Intersector> with_box_test(const BvhView<AabbLayout>& bvh, const
 
 }  // namespace
 
-bool has_weak_tests(const BvhParams& params) {
-  const BvhParams robust;
-  return params.box_test != robust.box_test || params.triangle_test != robust.triangle_test || params.sphere_test != robust.sphere_test;
-}
+bool has_weak_tests(const BvhParams& params) { return static_cast<const TestParams&>(params) != TestParams{}; }
 
 std::unique_ptr<Intersector> weak_intersector(const BvhView<AabbLayout>& bvh, const BvhParams& params, const QueryOptions& options, std::size_t scratch_bytes) {
   if (params.box_test == "unpadded") return with_box_test<BoxTest::unpadded>(bvh, params, options, scratch_bytes);
