@@ -92,7 +92,8 @@ void SceneRun::skip_what_cannot_serve() {
       if (const std::string why = cell.structure->why_not(*scene_, cell.isa); !why.empty()) end(cell, Status::skipped, why);
     }
     if (answers_for_itself(*cell.structure, cell.params) && cell.rays.image() && unfinished(cell))
-      end(cell, Status::skipped, "images of a peer or of weak tests differ in their last bits");
+      end(cell, Status::skipped,
+          fmt::format("images have to equal the reference's bit for bit, and those of {} need not", cell.structure->peer ? "a peer" : "weak tests"));
   }
 }
 
