@@ -1,14 +1,13 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 
-#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 
-#include "core/base/random.h"
 #include "experiments/cases/hard_case.h"
+#include "experiments/cases/random.h"
 
 namespace raymeter::cases {
 
@@ -64,29 +63,6 @@ template <int kRadius>
 // ---- What they share.
 inline constexpr float kInf = std::numeric_limits<float>::infinity();
 inline constexpr double kUnknownT = std::numeric_limits<double>::quiet_NaN();
-
-/// Random numbers, the same everywhere.
-class Random {
-public:
-  explicit Random(std::uint64_t seed) noexcept : stream_(seed, 0) {}
-  double uniform(double low = 0, double high = 1) noexcept { return low + (high - low) * stream_.uniform(); }
-  std::size_t below(std::size_t n) noexcept { return static_cast<std::size_t>(stream_.bits() % n); }
-  std::uint32_t bits() noexcept { return static_cast<std::uint32_t>(stream_.bits() >> 32); }
-  glm::dvec3 in_cube(double half = 1) noexcept {
-    const double x = uniform(-half, half), y = uniform(-half, half);
-    return {x, y, uniform(-half, half)};
-  }
-  glm::dvec3 direction() noexcept {
-    for (;;) {
-      const glm::dvec3 v = in_cube();
-      const double length2 = glm::dot(v, v);
-      if (length2 > 1e-4 && length2 <= 1) return v / std::sqrt(length2);
-    }
-  }
-
-private:
-  RandomStream stream_;
-};
 
 /// Rounded to floats; from 0 to infinity.
 [[nodiscard]] Ray ray(const glm::dvec3& org, const glm::dvec3& dir, float t_min = 0, float t_max = kInf);
