@@ -70,7 +70,8 @@ Picture heat_map(const std::string& of_what, Intersector& intersector, ImageStat
   return heat_picture(stats.model.width, stats.model.height, counts.span(), most);
 }
 
-ExitCode make_image(const ImageOptions& options, std::ostream& messages) {
+/// What the options say; the scene's own size where they say none.
+ImageStats chosen_stats(const ImageOptions& options) {
   ImageStats stats;
   stats.technique = parse_technique(options.technique);
   stats.isa = chosen_isa(options.isa);
@@ -79,12 +80,11 @@ ExitCode make_image(const ImageOptions& options, std::ostream& messages) {
   stats.termination = options.termination;
   if (!(stats.termination.min_weight >= 0)) throw Error(fmt::format("--min-weight: expected a number from 0, got {}", stats.termination.min_weight));
   stats.model.convention = chosen_camera(options.camera);
-  const std::optional<Size> size = chosen_size(options.size);
-  AtomicFile out(options.out);
-  std::optional<AtomicFile> stats_file;
-  if (!options.stats.empty()) stats_file.emplace(options.stats);
-  const Scene scene = load_scene(options.scene);
   stats.scene = options.scene;
+  return stats;
+}
+
+void look_at(const Scene& scene, const std::optional<Size>& size, ImageStats& stats) {
   stats.num_prims = scene.prim_count();
   stats.model.camera = scene.camera;
   stats.model.width = size ? size->width : scene.camera.width;
@@ -92,21 +92,33 @@ ExitCode make_image(const ImageOptions& options, std::ostream& messages) {
   if (std::int64_t{stats.model.width} * stats.model.height > kMaxPixels) {
     throw Error(fmt::format("--size: {}x{} is more than {} pixels", stats.model.width, stats.model.height, kMaxPixels));
   }
+}
+
+/// The image's picture; what it took goes to `stats`, counted where `count` says so.
+Picture rendered(const Scene& scene, Intersector& intersector, bool count, ImageStats& stats) {
+  const auto make = [&](const auto& slot) { return slot.entry->make(scene, {stats.isa, stats.packet, stats.threads, slot.params}, intersector); };
+  const auto first_hit = make(stats.technique.first_hit);
+  const auto occlusion = make(stats.technique.occlusion);
+  const Rendering rendering = render(scene, *first_hit, intersector, {stats.model, stats.termination, stats.threads, count, occlusion.get()});
+  stats.rays = rendering.rays;
+  stats.depth = rendering.depth;
+  stats.totals = rendering.totals;
+  return to_picture(rendering.image);
+}
+
+ExitCode make_image(const ImageOptions& options, std::ostream& messages) {
+  ImageStats stats = chosen_stats(options);
+  const std::optional<Size> size = chosen_size(options.size);
+  AtomicFile out(options.out);
+  std::optional<AtomicFile> stats_file;
+  if (!options.stats.empty()) stats_file.emplace(options.stats);
+  const Scene scene = load_scene(options.scene);
+  look_at(scene, size, stats);
 
   const auto structure = stats.technique.structure->build(scene, stats.technique.params, stats.threads);
   const auto intersector = structure->intersector({stats.isa, stats.packet, stats.technique.params});
   Picture picture;
-  if (options.heatmap.empty() || stats_file) {
-    const auto make = [&](const auto& slot) { return slot.entry->make(scene, {stats.isa, stats.packet, stats.threads, slot.params}, *intersector); };
-    const auto first_hit = make(stats.technique.first_hit);
-    const auto occlusion = make(stats.technique.occlusion);
-    const RenderOptions render_options{stats.model, stats.termination, stats.threads, stats_file.has_value(), occlusion.get()};
-    const Rendering rendering = render(scene, *first_hit, *intersector, render_options);
-    stats.rays = rendering.rays;
-    stats.depth = rendering.depth;
-    stats.totals = rendering.totals;
-    picture = to_picture(rendering.image);
-  }
+  if (options.heatmap.empty() || stats_file) picture = rendered(scene, *intersector, stats_file.has_value(), stats);
   if (!options.heatmap.empty()) picture = heat_map(options.heatmap, *intersector, stats);
   out.write(png_bytes(picture));
   if (stats_file) {

@@ -12,7 +12,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run
-from raymeter_report import best_settings, cells, figure_peer, figures, hard_cases, numbers, peer, price_list, records, scaling, shadow_cache, style, tables
+from raymeter_report import best_settings, cells, drafts, figure_peer, figure_sweep, hard_cases, numbers, peer, price_list, records, scaling, shadow_cache, style, tables
 from report_support import TemporaryFolder, run_cli
 
 
@@ -214,7 +214,7 @@ class Choices(TemporaryFolder):
 
     def test_sweep_is_relative_to_its_first_value(self) -> None:
         matrix = self.matrix(isas=["scalar", "avx2"], packets=[8], threads=[1, 2], scenes=["spd:tetra:6", "spd:balls:4"])
-        sweep = figures.sweep(matrix, "threads")
+        sweep = figure_sweep.sweep(matrix, "threads")
         assert sweep is not None
         mean = sweep.mean("primary", "bvh")
         self.assertEqual((list(mean), mean[1.0]), ([1.0, 2.0], 1.0))
@@ -222,12 +222,12 @@ class Choices(TemporaryFolder):
         speeds = {(cell.scene, cell.summary["threads"]): cell.number("mrays_per_s") or 0 for cell in chosen}
         expected = math.sqrt(math.prod(speeds[scene, 2.0] / speeds[scene, 1.0] for scene in ("spd:tetra:6", "spd:balls:4")))
         self.assertAlmostEqual(mean[2.0], expected, places=12)  # the same doubles in another order
-        self.assertIsNone(figures.sweep(matrix, "packet"))
+        self.assertIsNone(figure_sweep.sweep(matrix, "packet"))
 
     def test_sweep_figures_follow_the_data(self) -> None:
         matrix = self.matrix(isas=["scalar", "avx2"], packets=[1, 8], threads=[1, 2], scenes=["spd:tetra:6"])
         with style.styled():
-            names = [draft.name for draft in figures.sweep_drafts(matrix, style.looks(matrix))]
+            names = [draft.name for draft in drafts.sweep_drafts(matrix, style.looks(matrix))]
         self.assertEqual(names, ["isa_speedup", "packet_speedup", "thread_scaling"])
         table = tables.simd_table(matrix)
         assert table is not None
@@ -249,7 +249,7 @@ class Choices(TemporaryFolder):
         self.assertAlmostEqual(best_settings.steps_per_ray(grid) or 0, grid.number("node_visits_per_ray") or 0, places=3)
         self.assertEqual(best_settings.setting_of(bvh, ["packet"]), "packet 8")
         with style.styled():
-            names = [draft.name for draft in figures.best_drafts(matrix, style.looks(matrix))]
+            names = [draft.name for draft in drafts.best_drafts(matrix, style.looks(matrix))]
         self.assertEqual(names, ["side_by_side_primary", "side_by_side_shadow", "side_by_side_diffuse"])
         self.assertEqual(len(best_settings.best_settings_table(matrix).rows), 18)
 

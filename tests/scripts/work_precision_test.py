@@ -9,7 +9,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run  # noqa: F401: puts the report on the path
-from raymeter_report import cells, figure_precision, figure_wrong, figures, style, work_precision
+from raymeter_report import cells, drafts, figure_precision, figure_wrong, style, work_precision
 
 USUAL = "volume=aabb,box_test=padded,triangle_test=woop_kahan,sphere_test=robust"
 
@@ -55,8 +55,8 @@ class WorkPrecision(unittest.TestCase):
 
     def test_nothing_is_drawn_where_nothing_errs(self) -> None:
         self.assertEqual(work_precision.work_precision([cell(USUAL, [50.0])]), {})
-        self.assertIsNone(figures.precision_draft([cell(USUAL, [50.0])]))
-        self.assertIsNone(figures.price_draft([cell(USUAL, [50.0])]))
+        self.assertIsNone(drafts.precision_draft([cell(USUAL, [50.0])]))
+        self.assertIsNone(drafts.price_draft([cell(USUAL, [50.0])]))
 
     def test_wrong_answers_are_the_worst_of_each_technique(self) -> None:
         found = [cell(USUAL, [50.0]), cell(USUAL, [50.0], 30.0), cell(USUAL.replace("aabb", "kdop"), [50.0])]
@@ -67,7 +67,7 @@ class WorkPrecision(unittest.TestCase):
         self.assertEqual({label: one.error for label, one in wrong.items()}, {"bvh": 3e-5, "other": 0.0})
         self.assertEqual(figure_wrong.wrong_answers(found[:1]), {})
         with style.styled():
-            draft = figures.wrong_draft(found, style.looks(found))
+            draft = drafts.wrong_draft(found, style.looks(found))
         assert draft is not None
         self.assertIn("(< 3e-06)", draft.figure.axes[0].get_xticklabels()[0].get_text())
 
