@@ -37,26 +37,14 @@ double largest_coordinate(const Aabb& box, glm::length_t a) noexcept { return st
 
 /// The box that reaches further on its low and on its high sides, by shares of its extent.
 Aabb grown(Aabb box, double low, double high) noexcept {
-  constexpr double kMost = std::numeric_limits<float>::max();
+  constexpr double kFarthest = std::numeric_limits<float>::max();
   if (box.empty() || (low == 0 && high == 0)) return box;
   for (glm::length_t a = 0; a < 3; ++a) {
     const double from = box.min[a], to = box.max[a];
-    box.min[a] = static_cast<float>(std::max(from - low * (to - from), -kMost));
-    box.max[a] = static_cast<float>(std::min(to + high * (to - from), kMost));
+    box.min[a] = static_cast<float>(std::max(from - low * (to - from), -kFarthest));
+    box.max[a] = static_cast<float>(std::min(to + high * (to - from), kFarthest));
   }
   return box;
-}
-
-/// The least size of a cell: a primitive's padding is not to fill several cells.
-double finest_cell(const Aabb& box, glm::length_t a) noexcept { return std::max(4 * double{kBoundsPadding} * largest_coordinate(box, a), 0x1p-100); }
-
-/// Cells that single precision can tell apart, at most.
-std::int32_t useful_resolution(const Aabb& box, glm::length_t a) noexcept {
-  const double extent = double{box.max[a]} - double{box.min[a]};
-  const double least = finest_cell(box, a);
-  // An extent beyond float's range would make planes of infinity.
-  if (!(extent >= least) || extent > double{std::numeric_limits<float>::max()}) return 1;
-  return static_cast<std::int32_t>(std::min(extent / least, 65535.0));
 }
 
 class GridBuilder {

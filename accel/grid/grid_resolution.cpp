@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
+
+#include "core/geometry/error_bounds.h"
 
 namespace raymeter {
 
@@ -56,6 +59,19 @@ GridResolution grid_resolution(const GridParams& params, const glm::dvec3& exten
     resolution[a] = cells(wanted * (1 + 0x1p-40), params.max_resolution);
   }
   return resolution;
+}
+
+double finest_cell(const Aabb& box, glm::length_t a) noexcept {
+  const double farthest = std::max(std::abs(double{box.min[a]}), std::abs(double{box.max[a]}));
+  return std::max(4 * double{kBoundsPadding} * farthest, 0x1p-100);
+}
+
+std::int32_t useful_resolution(const Aabb& box, glm::length_t a) noexcept {
+  const double extent = double{box.max[a]} - double{box.min[a]};
+  const double least = finest_cell(box, a);
+  // An extent beyond float's range would make planes of infinity.
+  if (!(extent >= least) || extent > double{std::numeric_limits<float>::max()}) return 1;
+  return static_cast<std::int32_t>(std::min(extent / least, 65535.0));
 }
 
 }  // namespace raymeter
