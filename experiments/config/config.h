@@ -38,6 +38,7 @@ struct Matrix {
 struct MeasureOptions {
   int warmup = 1;
   int samples = 15;         ///< timed passes per cell; 0 counts only
+  int builds = 1;           ///< timed builds of each structure
   double max_time_s = 600;  ///< of the whole run; what is left then can be resumed
   double timeout_s = 120;   ///< of one cell: its counted, warm-up and timed passes
   Pattern reference;        ///< fields that a cell's reference differs in; empty: the first structure

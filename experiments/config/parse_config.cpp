@@ -196,6 +196,7 @@ Config parse_document(const Json& json, const Environment& environment) {
   const Json measure = json.value("measure", Json::object());
   take(measure, "warmup", config.measure.warmup);
   take(measure, "samples", config.measure.samples);
+  take(measure, "builds", config.measure.builds);
   take(measure, "max_time_s", config.measure.max_time_s);
   take(measure, "timeout_s", config.measure.timeout_s);
   config.measure.reference = parse_pattern(measure.value("reference", Json::object()));

@@ -138,6 +138,7 @@ Json measure_schema() {
   const Json seconds{{"type", "number"}, {"minimum", 0}};
   return closed_object({{"warmup", described(integer(0, 1000), "passes before the timed ones")},
                         {"samples", described(integer(0, 100000), "timed passes per cell; 0 counts only")},
+                        {"builds", described(integer(1, 1000), "timed builds of each structure, in rounds as the passes; default 1")},
                         {"order", described({{"enum", {"interleaved"}}}, "round-robin over the cells of a scene, in a seeded order")},
                         {"max_time_s", described(seconds, "of the whole run; the rest can be resumed")},
                         {"timeout_s", described(seconds, "of one cell: its counted, warm-up and timed passes")},

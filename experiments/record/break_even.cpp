@@ -28,7 +28,7 @@ std::optional<Price> price_of(const Experiment& cell, const RunRecords& records)
   const auto build = records.builds.find({cell.scene.name, build_text(cell), cell.threads});
   const std::vector<double> times = ns_per_ray(records, cell.id);
   if (build == records.builds.end() || times.empty()) return std::nullopt;
-  return Price{build->second.build_ms, median(times)};
+  return Price{median(build->second.build_ms), median(times)};
 }
 
 bool is_plain_list(const Experiment& e) { return e.structure->name == "list" && field(e, "structure.volume") == "none"; }

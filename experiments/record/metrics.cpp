@@ -22,7 +22,7 @@ constexpr std::array kMetrics{
     Metric{Table::samples, "status", neither, "ok, or wrong where the pass gave other hits than the verified ones"},
     Metric{Table::samples, "prepare_ms", lower, "the part of trace_ms that sees the whole batch: where structures are made on demand, what still had to be"},
 
-    Metric{Table::builds, "build_ms", lower, "time to build the structure from the scene (T_B)"},
+    Metric{Table::builds, "build_ms", lower, "time to build the structure from the scene, the median of its builds (T_B)"},
     Metric{Table::builds, "mprims_per_s", higher, "million primitives built per second"},
     Metric{Table::builds, "nodes", exact, "interior nodes and leaves"},
     Metric{Table::builds, "interior_nodes", exact, "nodes with children"},
@@ -52,6 +52,9 @@ constexpr std::array kMetrics{
     Metric{Table::builds, "epo_se", neither, "standard error of epo; 0 where no surface had to be sampled"},
     Metric{Table::builds, "volume_area", lower, "surface area of all bounding volumes together: of nodes, or of what a list puts one around"},
     Metric{Table::builds, "void_area", lower, "lists: mean projected areas of the volumes less those of the primitives in them"},
+    Metric{Table::builds, "builds", neither, "timed builds (measure.builds)"},
+    Metric{Table::builds, "build_ci_lo", lower, "95 % interval of build_ms, from 6 builds on"},
+    Metric{Table::builds, "build_ci_hi", lower, "its upper end"},
 
     Metric{Table::counters, "ray_count", exact, "rays of the pass"},
     Metric{Table::counters, "node_visits", exact, "interior nodes opened, cells stepped into"},

@@ -1,6 +1,7 @@
 #include "experiments/record/record_json.h"
 
 #include <array>
+#include <cassert>
 
 #include "experiments/record/build_json.h"
 #include "experiments/record/counter_columns.h"
@@ -56,7 +57,7 @@ SceneRecord scene_from_json(const nlohmann::json& json) {
 }
 
 BuildRecord build_from_json(const nlohmann::json& json) {
-  return {json.at("scene"), json.at("build"), json.at("threads"), json.at("build_ms"), build_stats_from_json(json.at("stats"))};
+  return {json.at("scene"), json.at("build"), json.at("threads"), {json.at("build_ms").get<double>()}, build_stats_from_json(json.at("stats"))};
 }
 
 Json to_json(const DemandRecord& record) {
@@ -109,8 +110,13 @@ Json to_json(const SceneRecord& record) {
 }
 
 Json to_json(const BuildRecord& record) {
-  return {{"type", "build"},           {"scene", record.scene},       {"build", record.build},
-          {"threads", record.threads}, {"build_ms", record.build_ms}, {"stats", to_json(record.stats)}};
+  assert(record.build_ms.size() == 1);
+  return {{"type", "build"},
+          {"scene", record.scene},
+          {"build", record.build},
+          {"threads", record.threads},
+          {"build_ms", record.build_ms.front()},
+          {"stats", to_json(record.stats)}};
 }
 
 Json to_json(const CheckRecord& record) {

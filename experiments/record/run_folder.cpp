@@ -48,7 +48,7 @@ void write_whole(const fs::path& path, std::string_view text) {
 std::string plan_hash(const Config& config, const std::vector<Experiment>& cells) {
   const MeasureOptions& m = config.measure;
   const VerifyOptions& v = config.verify;
-  std::string text = fmt::format("{} {} {} {} {} {}", config.name, m.warmup, m.samples, v.oracle, v.max_tests, v.hit_mismatch_max);
+  std::string text = fmt::format("{} {} {} {} {} {} {}", config.name, m.warmup, m.samples, m.builds, v.oracle, v.max_tests, v.hit_mismatch_max);
   for (const Experiment& cell : cells) text += " " + cell.id;
   return hash_text(text);
 }

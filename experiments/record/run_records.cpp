@@ -29,6 +29,11 @@ int RunRecords::samples_of(const std::string& cell) const {
   return found == samples.end() ? 0 : static_cast<int>(found->second.size());
 }
 
+void RunRecords::add(const BuildRecord& record) {
+  const auto [found, added] = builds.try_emplace({record.scene, record.build, record.threads}, record);
+  if (!added) found->second.build_ms.insert(found->second.build_ms.end(), record.build_ms.begin(), record.build_ms.end());
+}
+
 void RunRecords::add(const SampleRecord& record) {
   samples[record.cell][record.sample] = record;
   sample_count = std::max(sample_count, record.order_index + 1);

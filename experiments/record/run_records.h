@@ -31,13 +31,13 @@ struct SceneRecord {
   double load_ms = 0;
 };
 
-/// One build; its structure serves all cells of the scene with the same build parameters.
+/// The builds of one structure, which serves all cells of the scene with the same build parameters; in samples.jsonl a line for each.
 struct BuildRecord {
   std::string scene;
-  std::string build;  ///< the structure and those of its parameters that a build needs
-  int threads = 1;    ///< as in the matrix: 0 is all
-  double build_ms = 0;
-  BuildStats stats;
+  std::string build;             ///< the structure and those of its parameters that a build needs
+  int threads = 1;               ///< as in the matrix: 0 is all
+  std::vector<double> build_ms;  ///< of each build, at least one
+  BuildStats stats;              ///< the same for all
 };
 
 /// What verification found; see Accuracy in experiments/verify.
@@ -125,7 +125,8 @@ struct RunRecords {
   [[nodiscard]] int samples_of(const std::string& cell) const;
 
   void add(const SceneRecord& record) { scenes[record.scene] = record; }
-  void add(const BuildRecord& record) { builds[{record.scene, record.build, record.threads}] = record; }
+  /// Adds its builds to those that are known.
+  void add(const BuildRecord& record);
   void add(const CheckRecord& record) { checks[record.cell] = record; }
   void add(const SampleRecord& record);
   void add(const EndRecord& record) { ends[record.cell] = record; }

@@ -28,7 +28,7 @@ std::string time_to_image_ms(const Source& source, const Experiment& cell, const
   if (!cell.rays.image() || phase.part || build == nullptr || ns_per_ray(source.records, cell.id).empty()) return {};
   std::vector<double> frames;
   for (const auto& [index, sample] : source.records.samples.at(cell.id)) frames.push_back(sample.trace_ms);
-  return number(build->build_ms + median(frames));
+  return number(median(build->build_ms) + median(frames));
 }
 
 /// Of the times per ray: their number, median, its interval, deviation and speed.
@@ -51,7 +51,7 @@ void add_summary_rows(const Source& source, const Experiment& cell, const RowPha
   const BuildRecord* const build = source.build(cell);
   const CheckRecord* const check = source.check(cell);
   Row row = time_fields(ns_per_ray(source.records, cell.id, phase.part));
-  row.push_back(build != nullptr ? number(build->build_ms) : "");
+  row.push_back(build != nullptr ? number(median(build->build_ms)) : "");
   row.push_back(time_to_image_ms(source, cell, phase));
   row.push_back(build != nullptr ? number(static_cast<std::int64_t>(build->stats.mem_bytes)) : "");
   for (std::string& average : counter_averages(cell, source.counters(cell, phase))) row.push_back(std::move(average));

@@ -87,8 +87,10 @@ void add_build_rows(const Source& source, const Experiment& cell, const RowPhase
   const BuildStats& s = build->stats;
   const double prims = scene->num_prims;
   const auto scene_bytes = static_cast<double>(scene->scene_bytes);
-  add({number(build->build_ms),
-       prims > 0 && build->build_ms > 0 ? number(prims / (build->build_ms * 1e3)) : "",
+  const double build_ms = median(build->build_ms);
+  const std::optional<Interval> interval = median_interval(build->build_ms);
+  add({number(build_ms),
+       prims > 0 && build_ms > 0 ? number(prims / (build_ms * 1e3)) : "",
        number(s.nodes()),
        number(s.interior_nodes),
        number(s.leaves),
@@ -108,7 +110,10 @@ void add_build_rows(const Source& source, const Experiment& cell, const RowPhase
        number(s.cost_depth_p90),
        number(s.epo_se),
        number(s.volume_area),
-       number(s.void_area)});
+       number(s.void_area),
+       number(static_cast<std::int64_t>(build->build_ms.size())),
+       interval ? number(interval->lo) : "",
+       interval ? number(interval->hi) : ""});
 }
 
 std::string cell_id(const Experiment& cell, const RunRecords& records) {

@@ -54,6 +54,7 @@ void SceneRun::run() {
   load();
   skip_what_cannot_serve();
   build_all();
+  time_builds();
   if (context_.stop.requested()) return;
   make_ray_sets();
   check_all();
@@ -142,7 +143,7 @@ void SceneRun::build(const std::string& text, std::span<const Experiment* const>
       structure = cell->structure->build(*scene_, cell->params, cell->threads);
       const double build_ms = ms_since(start);
       if (context_.log.records().builds.contains({cell->scene.name, text, cell->threads})) continue;
-      BuildRecord record{cell->scene.name, text, cell->threads, build_ms, structure->stats()};
+      BuildRecord record{cell->scene.name, text, cell->threads, {build_ms}, structure->stats()};
       if (cell->structure->add_quality != nullptr) cell->structure->add_quality(*scene_, cell->params, 0, record.stats);
       context_.log.add(record);
     }

@@ -36,8 +36,9 @@ struct RunContext {
 /// Passes that a cell takes in all: what progress is counted in.
 [[nodiscard]] std::int64_t passes_of(const Config& config);
 
-/// Runs the unfinished cells of one scene: every structure is built once, every ray set made once, every cell verified and counted; then the timed passes of
-/// all cells in rounds, each in a seeded order, so that a slow spell of the machine hits all alike. Stops between two steps where that is requested.
+/// Runs the unfinished cells of one scene: every structure is built, every ray set made once, every cell verified and counted; then the timed passes of
+/// all cells in rounds, each in a seeded order, so that a slow spell of the machine hits all alike. Builds for time alone come before, in rounds likewise.
+/// Stops between two steps where that is requested.
 class SceneRun {
 public:
   SceneRun(RunContext& context, std::span<const Experiment> cells);
@@ -64,6 +65,8 @@ private:
   void load();
   void build_all();
   void build(const std::string& build, std::span<const Experiment* const> cells);
+  void time_builds();
+  void time_build(const Experiment& cell, int round);
   void make_ray_sets();
   void add_live(const Experiment& cell, const RaySet* rays);
   [[nodiscard]] Live make_live(const Experiment& cell, const RaySet* rays) const;

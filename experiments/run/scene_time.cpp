@@ -1,11 +1,14 @@
-// SceneRun: the timed passes.
+// SceneRun: the timed passes, and builds for time alone.
 
 #include <algorithm>
+#include <chrono>
+#include <new>
 #include <numeric>
 
 #include <fmt/format.h>
 
 #include "experiments/config/hash.h"
+#include "experiments/record/tables.h"
 #include "experiments/run/scene_run.h"
 
 namespace raymeter {
@@ -29,6 +32,34 @@ std::vector<std::size_t> shuffled(std::size_t count, std::uint64_t seed, int rou
 }
 
 }  // namespace
+
+/// build_all made the first of each, which is kept.
+void SceneRun::time_builds() {
+  std::vector<const Experiment*> builds;
+  for (const Experiment& cell : cells_) {
+    const auto same = [&](const Experiment* build) { return build->threads == cell.threads && build_text(*build) == build_text(cell); };
+    if (unfinished(cell) && std::none_of(builds.begin(), builds.end(), same)) builds.push_back(&cell);
+  }
+  for (int round = 1; round < context_.config.measure.builds; ++round) {
+    tell(fmt::format("building, round {} of {}", round + 1, context_.config.measure.builds));
+    for (const std::size_t i : shuffled(builds.size(), context_.config.seed, round)) {
+      if (context_.stop.requested()) return;
+      time_build(*builds[i], round);
+    }
+  }
+}
+
+void SceneRun::time_build(const Experiment& cell, int round) try {
+  const BuildRecord& known = context_.log.records().builds.at({cell.scene.name, build_text(cell), cell.threads});
+  if (known.build_ms.size() > static_cast<std::size_t>(round)) return;  // of a run that goes on
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  const std::unique_ptr<Structure> structure = cell.structure->build(*scene_, cell.params, cell.threads);
+  const double build_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  context_.log.add(BuildRecord{known.scene, known.build, known.threads, {build_ms}, known.stats});
+} catch (const std::bad_alloc&) {
+  end(cell, Status::failed, "out of memory while building again");
+}
 
 void SceneRun::time_all() {
   std::erase_if(live_, [&](const Live& live) { return !unfinished(*live.cell); });

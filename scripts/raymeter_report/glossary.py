@@ -79,7 +79,7 @@ GLOSSARY: dict[str, list[Term]] = {
         Term("bound_exceeded", "pixels", "Pixels whose error is above their bound. Must be 0."),
     ],
     "builds.csv": [
-        Term("build_ms", "ms", "Time to build the structure.", "T_B"),
+        Term("build_ms", "ms", "Time to build the structure, the median of its builds.", "T_B"),
         Term("mprims_per_s", "million primitives / s", "Build speed."),
         Term("nodes", "", "All nodes or cells."),
         Term("interior_nodes", "", "Interior nodes.", "N_IN (N_G)"),
@@ -101,6 +101,8 @@ GLOSSARY: dict[str, list[Term]] = {
         Term("epo_se", "", "Standard error of epo; 0 where no surface had to be sampled."),
         Term("volume_area", "", "Surface area of all bounding volumes together: of a hierarchy's nodes, of what a list puts one around."),
         Term("void_area", "", "Mean projected areas of the volumes of a list less those of the primitives in them; cones count with lids."),
+        Term("builds", "", "Timed builds, measure.builds of the config."),
+        Term("build_ci_lo, build_ci_hi", "ms", "95 % interval of build_ms, from 6 builds on."),
     ],
     "accuracy.csv": [
         Term("rays_checked", "rays", "Rays held against the exact oracle: all, or a seeded sample."),

@@ -155,7 +155,8 @@ def builds_table(cells: Sequence[Cell]) -> Table:
     cells = [cell for cell in cells if cell.build]
     varying = [name for name in ("threads",) if name in varying_settings(cells)]
     measures: tuple[tuple[str, str, str, Callable[[Value], str], float], ...] = (
-        ("build_ms", "build time", "ms", significant, 1.0), ("mprims_per_s", "build speed", "Mprims/s", significant, 1.0),
+        ("build_ms", "build time", "ms", significant, 1.0), ("build_ci_lo", "95 % from", "ms", significant, 1.0),
+        ("build_ci_hi", "95 % to", "ms", significant, 1.0), ("mprims_per_s", "build speed", "Mprims/s", significant, 1.0),
         ("nodes", "nodes", "", integer, 1.0), ("interior_nodes", "interior", "", integer, 1.0), ("leaves", "leaves", "", integer, 1.0),
         ("empty_leaves", "empty leaves", "", integer, 1.0), ("references", "references", "", integer, 1.0), ("tree_depth", "depth", "", integer, 1.0),
         ("sah_cost", "SAH cost", "", significant, 1.0), ("epo", "EPO", "", significant, 1.0), ("mem_bytes", "memory", "MiB", significant, 2.0**-20),

@@ -16,7 +16,7 @@ EVENTS = "node_visits,leaf_visits,empty_leaf_visits,volume_tests,prim_tests,prim
 COLUMNS = {  # the contract
     "samples": "sample,order_index,trace_ms,rays_traced,mrays_per_s,ns_per_ray,status,prepare_ms",
     "builds": "build_ms,mprims_per_s,nodes,interior_nodes,leaves,empty_leaves,references,max_depth,sah_cost,epo,mem_bytes,bytes_per_prim,break_even_rays,"
-              "scene_bytes,sibling_distance,node_volume,total_volume,cost_depth,cost_depth_p90,epo_se,volume_area,void_area",
+              "scene_bytes,sibling_distance,node_volume,total_volume,cost_depth,cost_depth_p90,epo_se,volume_area,void_area,builds,build_ci_lo,build_ci_hi",
     "counters": "ray_count," + EVENTS + "," + ",".join(f"{event}_packets" for event in EVENTS.split(",")) +
                 ",node_visits_per_ray,prim_tests_per_ray,simd_utilization,rays_hit,cache_hit_rate,cache_hit_rate_blocked,first_prepare_ms,cells,candidates_per_cell,cell_bytes,full_table_bytes",
     "accuracy": "rays_checked,false_miss,false_hit,wrong_prim,self_hits,t_ulp_p50,t_ulp_p99,t_ulp_max,image_rmse,image_psnr,image_ssim",
@@ -81,6 +81,26 @@ class RunTest(RunInFolder):
         for row in self.rows(self.folder / "r", "summary"):
             self.assertNotEqual(row["median_ns_per_ray"], "")
             self.assertEqual((row["ci_lo"], row["ci_hi"], row["ratio_lo"]), ("", "", ""))
+
+    def test_builds_are_timed_in_rounds(self) -> None:
+        document = config(measure={"samples": 0, "builds": 6}, matrix={"threads": [1, 2]})
+        self.assertEqual(self.raymeter("run", self.write(document), "--out", "r", "--progress", "none").returncode, 0)
+        lines = [json.loads(line) for line in (self.folder / "r" / "samples.jsonl").read_text().splitlines()]
+        builds = [(line["scene"], line["build"], line["threads"]) for line in lines if line["type"] == "build"]
+        self.assertEqual(len(builds), 6 * len(set(builds)))
+        self.assertEqual(len(set(builds)), 2 * 2 * 2)
+        of_a_scene = [build for build in builds if build[0] == builds[0][0]]
+        for first in range(0, len(of_a_scene), 4):
+            self.assertEqual(len(set(of_a_scene[first:first + 4])), 4, "builds take turns")
+        for row in self.rows(self.folder / "r", "builds"):
+            self.assertEqual(row["builds"], "6")
+            self.assertLessEqual(float(row["build_ci_lo"]), float(row["build_ms"]))
+            self.assertLessEqual(float(row["build_ms"]), float(row["build_ci_hi"]))
+        # What a run was cut off from is built when it goes on, and no more.
+        kept = [line for line in (self.folder / "r" / "samples.jsonl").read_text().splitlines(keepends=True) if json.loads(line)["type"] in ("scene", "build")][:8]
+        (self.folder / "r" / "samples.jsonl").write_text("".join(kept))
+        self.assertEqual(self.raymeter("run", "c.json", "--out", "r", "--resume", "--progress", "none").returncode, 0)
+        self.assertEqual({row["builds"] for row in self.rows(self.folder / "r", "builds")}, {"6"})
 
     def test_exit_codes_of_usage(self) -> None:
         good = self.write(config())
