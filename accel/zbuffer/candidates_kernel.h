@@ -19,7 +19,7 @@ struct Candidates {
 
   [[nodiscard]] bool done() const noexcept { return next[0] == cell.list_size[0] && next[1] == cell.list_size[1]; }
   /// The list that the next candidate is in.
-  [[nodiscard]] int list() const noexcept {
+  [[nodiscard, gnu::always_inline]] int list() const noexcept {
     if (next[1] == cell.list_size[1]) return 0;
     if (next[0] == cell.list_size[0]) return 1;
     return nearest(1) > nearest(0) ? 1 : 0;

@@ -91,7 +91,7 @@ inline void load_group(const RayView& rays, std::int32_t first, std::int32_t cou
   const Float major = pick(ray.dir[0], ray.dir[1], ray.dir[2]);
   ray.shear[0] = pick(ray.dir[1], ray.dir[2], ray.dir[0]) / major;
   ray.shear[1] = pick(ray.dir[2], ray.dir[0], ray.dir[1]) / major;
-  ray.shear[2] = one / major;
+  ray.shear[2] = pick(ray.inv_dir[0], ray.inv_dir[1], ray.inv_dir[2]);
   ray.shear_org[0] = pick(ray.org[1], ray.org[2], ray.org[0]);
   ray.shear_org[1] = pick(ray.org[2], ray.org[0], ray.org[1]);
   ray.shear_org[2] = pick(ray.org[0], ray.org[1], ray.org[2]);

@@ -13,6 +13,20 @@
 
 #include "core/simd/isa_enum.h"
 
+#ifdef __AVX512DQ__
+namespace xsimd {
+// As xsimd 8.1.0 writes them, compilers take masks out of their registers and back.
+template <>
+[[gnu::always_inline]] inline batch_bool<float, avx512dq> batch_bool<float, avx512dq>::operator&(const batch_bool& other) const noexcept {
+  return register_type(_kand_mask16(data, other.data));
+}
+template <>
+[[gnu::always_inline]] inline batch_bool<float, avx512dq> batch_bool<float, avx512dq>::operator|(const batch_bool& other) const noexcept {
+  return register_type(_kor_mask16(data, other.data));
+}
+}  // namespace xsimd
+#endif
+
 namespace raymeter {
 
 #ifdef RAYMETER_KERNEL_ISA
