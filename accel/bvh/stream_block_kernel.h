@@ -2,6 +2,7 @@
 
 // One ray against the triangles of a block, triangles in lanes, by the test of core/geometry/triangle_kernel.h.
 
+#include "accel/bvh/stream_hit_kernel.h"
 #include "accel/bvh/stream_ray_kernel.h"
 #include "accel/bvh/wide_layout.h"
 #include "core/geometry/triangle_kernel.h"
@@ -58,15 +59,7 @@ struct BlockTriangles {
   }
 };
 
-/// One ray and a register of a block's triangles: lane i is triangle `first` + i.
-template <class L>
-struct BlockHits {
-  SurfaceHit<L> surface;
-  std::uint32_t closer;  ///< lanes that the ray meets inside its interval
-  std::int32_t first;
-};
-
-/// Calls take(BlockHits) for each register of the block's triangles. Whether a ray meets any of them is not predictable: nothing here branches on it.
+/// Calls take(LeafHits) for each register of the block's triangles. Whether a ray meets any of them is not predictable: nothing here branches on it.
 template <class L, class Stats, class Take>
 [[gnu::always_inline]] inline void meet_block(const StreamRay& ray, const StreamAxes& axes, const TriangleBlock& block, const BlockTriangles<L>& triangles,
                                               Stats stats, Take take) noexcept {
@@ -80,40 +73,16 @@ template <class L, class Stats, class Take>
     const std::uint32_t present = (1u << (left < L::kWidth ? left : L::kWidth)) - 1;
     stats.template count<Event::prim_test, L>(L::mask(present));
     const SurfaceHit<L> found = intersect_triangle<L, true>(triangles.corner(space, 0, r), triangles.corner(space, 1, r), triangles.corner(space, 2, r));
-    take(BlockHits<L>{found, L::bits(found.meets & (found.t >= t_min) & (found.t <= t_end)) & present, first});
+    take(LeafHits<L>{found, L::bits(found.meets & (found.t >= t_min) & (found.t <= t_end)) & present, first});
   }
 }
-
-/// The nearest hit that one ray has, in a form of its own.
-struct RayHit {
-  float t;
-  std::int32_t prim;
-  float u;
-  float v;
-};
 
 /// Tests the block's triangles; `hit` becomes the nearest, ties to the smaller id. Returns whether it changed.
 template <class L, class Stats>
 [[gnu::always_inline]] inline bool nearest_of_block(const StreamRay& ray, const StreamAxes& axes, const TriangleBlock& block,
                                                     const BlockTriangles<L>& triangles, RayHit& hit, Stats stats) noexcept {
-  using Float = typename L::Float;
   const RayHit before = hit;
-  meet_block<L>(ray, axes, block, triangles, stats, [&](const BlockHits<L>& found) noexcept {
-    if (found.closer == 0) return;
-    alignas(64) float t[L::kWidth], u[L::kWidth], v[L::kWidth];
-    L::store(t, found.surface.t);
-    L::store(u, found.surface.u + Float(0.0f));
-    L::store(v, found.surface.v + Float(0.0f));
-    std::uint32_t counted = 0;
-    for (std::uint32_t left = found.closer; left != 0; left &= left - 1) {
-      const int lane = __builtin_ctz(left);
-      const std::int32_t prim = block.prim[found.first + lane];
-      if (t[lane] == before.t && prim >= before.prim) continue;
-      counted |= 1u << lane;
-      if (t[lane] < hit.t || (t[lane] == hit.t && prim < hit.prim)) hit = {t[lane] + 0.0f, prim, u[lane], v[lane]};
-    }
-    if (counted != 0) stats.template count<Event::prim_hit, L>(L::mask(counted));
-  });
+  meet_block<L>(ray, axes, block, triangles, stats, [&](const LeafHits<L>& found) noexcept { take_nearest<L>(found, block.prim, before, hit, stats); });
   return hit.prim != before.prim || hit.t != before.t;
 }
 
@@ -122,7 +91,7 @@ template <class L, class Stats>
 [[gnu::always_inline]] inline std::uint32_t blockers_of_block(const StreamRay& ray, const StreamAxes& axes, const TriangleBlock& block,
                                                               const BlockTriangles<L>& triangles, Stats stats) noexcept {
   std::uint32_t blockers = 0;
-  meet_block<L>(ray, axes, block, triangles, stats, [&](const BlockHits<L>& found) noexcept {
+  meet_block<L>(ray, axes, block, triangles, stats, [&](const LeafHits<L>& found) noexcept {
     if (Stats::kCounting && found.closer != 0) stats.template count<Event::prim_hit, L>(L::mask(found.closer));
     blockers |= found.closer << found.first;
   });

@@ -8,6 +8,7 @@
 
 #include "accel/bvh/stream_block_kernel.h"
 #include "accel/bvh/stream_node_kernel.h"
+#include "accel/bvh/stream_sphere_kernel.h"
 #include "accel/bvh/stream_stack_kernel.h"
 #include "core/geometry/run_kernel.h"
 #include "core/stats/policy.h"
@@ -64,6 +65,36 @@ void test_block_of_group(const TriangleBlock& block, std::uint64_t rays, StreamG
   group.alive &= ~blocked;
 }
 
+template <Query Q, class L, class Stats>
+void test_spheres_of_group(const SphereView& pool, PrimitiveRun run, std::uint64_t rays, StreamGroup<L>& group, Stats stats) noexcept {
+  const std::int32_t* const prim = pool.prim + run.first;
+  std::uint64_t blocked = 0;
+  for (; rays != 0; rays &= rays - 1) {
+    const int i = __builtin_ctzll(rays);
+    StreamRay& ray = group.ray[i];
+    const RayHit before{-ray.interval[1], group.prim[i], 0, 0};
+    RayHit hit = before;
+    meet_spheres<L>(ray, group.line[i], group.octant, pool, run, stats, [&](const LeafHits<L>& found) noexcept {
+      if constexpr (Q == Query::any) {
+        if (found.closer == 0) return;
+        stats.template count<Event::prim_hit, L>(L::mask(found.closer));
+        hit.prim = prim[found.first + __builtin_ctz(found.closer)];
+      } else {
+        take_nearest<L>(found, prim, before, hit, stats);
+      }
+    });
+    if (hit.prim == before.prim) continue;
+    group.prim[i] = hit.prim;
+    if constexpr (Q == Query::any) {
+      blocked |= rays & -rays;
+    } else {
+      ray.interval[1] = -hit.t;
+      group.u[i] = group.v[i] = 0;
+    }
+  }
+  group.alive &= ~blocked;
+}
+
 /// Other primitives, rays in lanes.
 template <Query Q, class L, class Stats>
 void test_run_of_group(const WideBvhView& bvh, PrimitiveRun run, std::uint64_t rays, StreamGroup<L>& group, Stats stats) noexcept {
@@ -92,14 +123,16 @@ template <Query Q, class L, class Stats>
   } else if (child.tag() == WideRef::Tag::inner) {
     const WideNode& node = bvh.nodes[child.index()];
     count_node<L>(rays, stats);
-    push_children<L>(stack, node, node.order[group.octant], rays_of_children<L>(node, group.octant, group.ray, rays));
+    push_children<L>(stack, node, node.order[group.order], rays_of_children<L>(node, group.octant, group.ray, rays));
   } else {
     count_rays<Event::leaf_visit, L>(rays, stats);
     if (child.tag() == WideRef::Tag::block) {
       test_block_of_group<Q>(bvh.blocks[child.index()], rays, group, stats);
+    } else if (const PrimitiveRun run = bvh.runs[child.index()]; run.kind() == PrimKind::sphere) {
+      test_spheres_of_group<Q>(bvh.pools.spheres, run, rays, group, stats);
     } else {
       group.load_rays(rays_of_slice, source);
-      test_run_of_group<Q>(bvh, bvh.runs[child.index()], rays, group, stats);
+      test_run_of_group<Q>(bvh, run, rays, group, stats);
     }
   }
   if (stack.size > 0) prefetch_child(bvh, stack.child[stack.size - 1]);
@@ -164,16 +197,19 @@ struct GroupCutter {
 
 template <Query Q, class L, class Stats>
 void trace_slice(const WideBvhView& bvh, const TraceArgs& args, SortedRays& sorted, std::byte* stacks, Stats stats) noexcept {
-  sort_by_bin<L>(args.rays, sorted);
+  sort_by_bin<L>(args.rays, bvh.pools.spheres.prim != nullptr, sorted);
   GroupCutter cutter{sorted.first, args.packet};
   StreamGroup<L> group[kInterleaved];
   StreamStack stack[kInterleaved];
   std::int32_t first[kInterleaved] = {};
   int count = 0;
+  // Rays that part little, as those to a light, are blocked far from what they leave more often than near it. What parts is blocked near, while together.
+  const auto far_first = [&](std::uint32_t bin) noexcept { return 2 * (sorted.first[bin + 1] - sorted.first[bin]) > args.rays.count; };
   const auto start = [&](int g) noexcept {
     if (!cutter.next()) return false;
     first[g] = cutter.first;
-    group[g].start(sorted.ray + cutter.first, cutter.count, cutter.bin);
+    group[g].start(sorted, cutter.first, cutter.count, cutter.bin);
+    if (Q == Query::any && far_first(cutter.bin)) group[g].order ^= 7;
     stack[g].size = 0;
     if (group[g].alive != 0) stack[g].push(WideRef(WideRef::Tag::inner, 0), group[g].alive);
     return true;

@@ -25,6 +25,15 @@ struct alignas(64) StreamRay {
 };
 static_assert(sizeof(StreamRay) == 64);
 
+/// What the tests of spheres need of one ray besides, as in RayPacket.
+struct alignas(32) StreamLine {
+  float dir[3];
+  float inv_length2;
+  float inv_dir[3];
+  float unused;
+};
+static_assert(sizeof(StreamLine) == 32);
+
 /// Rays of a group agree in the octant of their directions and in the axis of the largest |dir|.
 inline constexpr int kStreamBins = 24;
 
@@ -41,6 +50,7 @@ struct StreamAxes {
 /// A slice's rays sorted by bin.
 struct SortedRays {
   StreamRay ray[kStreamRays];
+  StreamLine line[kStreamRays];         ///< where the hierarchy has spheres
   float t_unit[kStreamRays];            ///< as in RayPacket
   std::int32_t source[kStreamRays];     ///< a ray's number in the slice
   std::int32_t first[kStreamBins + 1];  ///< of each bin

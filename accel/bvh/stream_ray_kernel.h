@@ -44,6 +44,30 @@ template <class L>
   }
 }
 
+/// The same for lines.
+template <class L>
+[[gnu::always_inline]] inline void store_lines(const RayPacket<L>& from, const std::int32_t* to, std::int32_t count, SortedRays& sorted) noexcept {
+  using Float = typename L::Float;
+  constexpr int kRows = L::kWidth >= 8 ? L::kWidth : 8;
+  Float field[kRows];
+  for (int f = 7; f < kRows; ++f) field[f] = Float(0.0f);
+  for (int a = 0; a < 3; ++a) {
+    field[a] = from.dir[a];
+    field[4 + a] = from.inv_dir[a];
+  }
+  field[3] = from.inv_length2;
+  if constexpr (L::kWidth >= 8) {
+    LaneShuffles<L::kIsa>::transpose(field);
+    for (std::int32_t lane = 0; lane < count; ++lane) LaneShuffles<L::kIsa>::store_eight(reinterpret_cast<float*>(&sorted.line[to[lane]]), field[lane]);
+  } else {
+    const auto* const lanes = reinterpret_cast<const float*>(field);
+    for (std::int32_t lane = 0; lane < count; ++lane) {
+      auto* const record = reinterpret_cast<float*>(&sorted.line[to[lane]]);
+      for (int r = 0; r < 8; ++r) record[r] = lanes[r * L::kWidth + lane];
+    }
+  }
+}
+
 /// The bins of at most kStreamRays rays: octant + 8 * axis, as load_group() finds it. Of invalid rays any.
 template <class L>
 void find_bins(const RayView& rays, std::int32_t (&bin)[kStreamRays]) noexcept {
@@ -65,7 +89,7 @@ void find_bins(const RayView& rays, std::int32_t (&bin)[kStreamRays]) noexcept {
 
 /// Sorts at most kStreamRays rays by bin, keeping their order inside one.
 template <class L>
-void sort_by_bin(const RayView& rays, SortedRays& sorted) noexcept {
+void sort_by_bin(const RayView& rays, bool lines, SortedRays& sorted) noexcept {
   std::int32_t bin[kStreamRays];
   std::int32_t next[kStreamBins + 1] = {};
   find_bins<L>(rays, bin);
@@ -87,6 +111,7 @@ void sort_by_bin(const RayView& rays, SortedRays& sorted) noexcept {
       sorted.t_unit[to[lane]] = t_unit[lane];
     }
     store_records<L>(ray, hit.t, to, count, sorted);
+    if (lines) store_lines<L>(ray, to, count, sorted);
   }
 }
 
@@ -94,8 +119,10 @@ void sort_by_bin(const RayView& rays, SortedRays& sorted) noexcept {
 template <class L>
 struct StreamGroup {
   StreamRay* ray;
+  const StreamLine* line;
   std::int32_t count;
   std::uint32_t octant;
+  std::uint32_t order;  ///< the octant in whose order children are visited
   StreamAxes axes;
   std::uint64_t alive;  ///< rays that can still be improved
   alignas(64) std::int32_t prim[kGroupRays];
@@ -104,10 +131,12 @@ struct StreamGroup {
   Packet<L, 0> packet;  ///< for the tests of primitives that are no triangles
   bool has_packet;
 
-  void start(StreamRay* rays, std::int32_t size, std::uint32_t bin) noexcept {
-    ray = rays;
+  void start(SortedRays& sorted, std::int32_t first, std::int32_t size, std::uint32_t bin) noexcept {
+    ray = sorted.ray + first;
+    line = sorted.line + first;
     count = size;
     octant = octant_of_bin(bin);
+    order = octant;
     axes = axes_of_bin(bin);
     alive = 0;
     has_packet = false;

@@ -132,8 +132,8 @@ void WideCuts::join(std::int32_t n, const Subtree& left, Subtree& right) {
 void WideCuts::set_cost(std::int32_t n, Subtree& subtree) {
   Cut& made = cut(n);
   const float area = at(n).box.half_area();
-  const float of_prims =
-      subtree.kind == PrimKind::triangle ? settings_.block_cost : 1 + settings_.prim_cost * static_cast<float>(made.end_prim - made.first_prim);
+  const float prim_cost = subtree.kind == PrimKind::sphere ? settings_.sphere_cost : settings_.prim_cost;
+  const float of_prims = subtree.kind == PrimKind::triangle ? settings_.block_cost : 1 + prim_cost * static_cast<float>(made.end_prim - made.first_prim);
   const float as_leaf = subtree.fits_leaf ? area * of_prims : kInf;
   const float inner = area + subtree.cost[kWideChildren - 1];
   made.is_leaf = as_leaf <= inner;

@@ -10,9 +10,10 @@ namespace raymeter {
 
 /// Costs of an 8-wide hierarchy, in visits of a node.
 struct WideTreeSettings {
-  float block_cost = 1.4f;  ///< of a triangle block
-  float prim_cost = 0.7f;   ///< of a primitive of another kind
-  int max_leaf_size = 8;    ///< primitives of another kind in a leaf
+  float block_cost = 1.4f;    ///< of a triangle block
+  float sphere_cost = 0.05f;  ///< of a leaf's sphere, besides 1 for the leaf: streams have them in lanes
+  float prim_cost = 0.7f;     ///< likewise, of a polygon or cone
+  int max_leaf_size = 8;      ///< primitives of another kind in a leaf
 };
 
 /// An 8-wide hierarchy as its traversal wants it.

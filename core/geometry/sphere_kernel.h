@@ -16,40 +16,43 @@
 
 namespace raymeter {
 
+/// `from` is the ray's origin minus the sphere's centre.
 template <class L>
-inline SurfaceHit<L> intersect_sphere(const RayPacket<L>& ray, const SphereView& pool, std::int32_t i) noexcept {
+[[gnu::always_inline]] inline SurfaceHit<L> intersect_sphere(const RayPacket<L>& ray, const typename L::Float (&from)[3], typename L::Float radius) noexcept {
   using Float = typename L::Float;
   const Float zero(0.0f);
-  const Float radius(pool.radius[i]);
-  const Float f[3] = {ray.org[0] - Float(pool.center[0][i]), ray.org[1] - Float(pool.center[1][i]), ray.org[2] - Float(pool.center[2][i])};
-  const Float f_dir = L::mul_add(f[2], ray.dir[2], L::mul_add(f[1], ray.dir[1], f[0] * ray.dir[0]));
+  const Float f_dir = L::mul_add(from[2], ray.dir[2], L::mul_add(from[1], ray.dir[1], from[0] * ray.dir[0]));
   const Float closest = -f_dir * ray.inv_length2;
-  const Float across[3] = {L::mul_add(closest, ray.dir[0], f[0]), L::mul_add(closest, ray.dir[1], f[1]), L::mul_add(closest, ray.dir[2], f[2])};
+  const Float across[3] = {L::mul_add(closest, ray.dir[0], from[0]), L::mul_add(closest, ray.dir[1], from[1]), L::mul_add(closest, ray.dir[2], from[2])};
   const Float across2 = L::mul_add(across[2], across[2], L::mul_add(across[1], across[1], across[0] * across[0]));
   const Float chord2 = radius * radius - across2;
-  SurfaceHit<L> hit;
-  hit.meets = chord2 >= zero;
+  SurfaceHit<L> hit{chord2 >= zero, zero, zero, zero};
   if (L::none(hit.meets)) return hit;
 
   const Float half_chord = L::sqrt(L::max(chord2, zero) * ray.inv_length2);
   // The root of larger magnitude is a plain sum; the other is a difference, or follows from the product of the roots, c / dir^2.
   const Float away = L::select(closest < zero, -half_chord, half_chord);
   const Float far_root = closest + away;
-  const Float distance = L::sqrt(L::mul_add(f[2], f[2], L::mul_add(f[1], f[1], f[0] * f[0])));
+  const Float distance = L::sqrt(L::mul_add(from[2], from[2], L::mul_add(from[1], from[1], from[0] * from[0])));
   const Float product = (distance - radius) * (distance + radius) * ray.inv_length2;
   const Float from_product = L::select(far_root == zero, zero, product / far_root);
   const Float near_root = L::select(L::abs(closest) > half_chord + half_chord, closest - away, from_product);
   const Float t_enter = L::min(near_root, far_root);
   const Float t_exit = L::max(near_root, far_root);
   const Float box_radius = radius * Float(1 + 2 * kOwnBoxPadding);
-  const Float low[3] = {-f[0] - box_radius, -f[1] - box_radius, -f[2] - box_radius};
-  const Float high[3] = {box_radius - f[0], box_radius - f[1], box_radius - f[2]};
+  const Float low[3] = {-from[0] - box_radius, -from[1] - box_radius, -from[2] - box_radius};
+  const Float high[3] = {box_radius - from[0], box_radius - from[1], box_radius - from[2]};
   const SlabInterval<L> in_box = line_in_own_box<L>(ray, low, high);
   hit.meets = hit.meets & (in_box.t_near <= in_box.t_far);
   hit.t = L::min(L::max(L::select(t_enter >= ray.t_min, t_enter, t_exit), in_box.t_near), in_box.t_far);
-  hit.u = zero;
-  hit.v = zero;
   return hit;
+}
+
+template <class L>
+inline SurfaceHit<L> intersect_sphere(const RayPacket<L>& ray, const SphereView& pool, std::int32_t i) noexcept {
+  using Float = typename L::Float;
+  const Float from[3] = {ray.org[0] - Float(pool.center[0][i]), ray.org[1] - Float(pool.center[1][i]), ray.org[2] - Float(pool.center[2][i])};
+  return intersect_sphere<L>(ray, from, Float(pool.radius[i]));
 }
 
 }  // namespace raymeter

@@ -25,6 +25,8 @@ struct LaneShuffles<Isa::avx2> {
   }
   /// 8 bytes as integers.
   static Int load_bytes(const std::uint8_t* p) noexcept { return _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p))); }
+  /// Lanes 0 to 7.
+  static void store_eight(float* p, Float v) noexcept { _mm256_storeu_ps(p, v); }
   /// Lane i of row j becomes lane j of row i.
   static void transpose(Float (&row)[8]) noexcept {
     __m256 pair[8], quad[8];
@@ -68,6 +70,8 @@ struct LaneShuffles<Isa::avx512> {
   static Float swap_in_pairs(Float a) noexcept { return _mm512_permute_ps(a, 0xB1); }
   /// Lane i is element index[i] & 15 of the table.
   static Float permute(const Float (&table)[1], Int index) noexcept { return _mm512_permutexvar_ps(index, table[0]); }
+  /// Lanes 0 to 7.
+  static void store_eight(float* p, Float v) noexcept { _mm256_storeu_ps(p, _mm512_castps512_ps256(v)); }
   /// Lane i of row j becomes lane j of row i.
   static void transpose(Float (&row)[16]) noexcept {
     __m512 a[16], b[16];

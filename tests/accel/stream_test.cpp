@@ -5,6 +5,7 @@
 #include "accel/registry.h"
 #include "core/trace/trace.h"
 #include "tests/support/answer.h"
+#include "tests/support/random.h"
 #include "tests/support/test_rays.h"
 #include "tests/support/test_scenes.h"
 #include "tests/support/traces.h"
@@ -47,6 +48,65 @@ TEST(Stream, TakesBatchesAndGroupsOfAnySize) {
       }
     }
   }
+}
+
+/// Both queries by the list, bit for bit, in groups of one ray up to full ones.
+void expect_as_by_list(const Scene& scene, const TechniqueSpec& spec, const RayBatch& rays) {
+  const auto structure = spec.structure->build(scene, spec.params, 1);
+  for (const Isa isa : kIsas) {
+    if (!available(isa)) continue;
+    const Traced list = test::trace_list(scene, isa, rays);
+    for (const int packet : {1, 5, kMaxPacket}) {
+      SCOPED_TRACE(std::string(name(isa)) + " packet " + std::to_string(packet));
+      const Traced found = test::trace(*structure, {isa, packet, spec.params}, rays);
+      expect_same_hits(found.hits, list.hits, rays);
+      for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(found.blockers[i] >= 0, list.hits.prim[i] >= 0) << i;
+    }
+  }
+}
+
+/// Balls in heaps, some of them the same twice, some inside of others, some huge.
+Scene heaps_of_spheres(int heaps, int spheres_a_heap) {
+  test::Random random(17);
+  Scene scene;
+  for (int h = 0; h < heaps; ++h) {
+    const glm::dvec3 middle = random.in_cube(9);
+    for (int i = 0; i < spheres_a_heap; ++i) {
+      const glm::dvec3 center = middle + random.in_cube(0.1);
+      const double radius = i % 7 == 6 ? 1.5 : random.uniform(0.01, 0.2);
+      scene.add_sphere(center, radius);
+      if (i % 5 == 4) scene.add_sphere(center, radius);
+    }
+  }
+  scene.finish();
+  return scene;
+}
+
+TEST(Stream, FindsSpheresOfALeafInLanes) {
+  for (const int spheres : {1, 3, 8, 16, 37}) {
+    SCOPED_TRACE(std::to_string(spheres) + " spheres a heap");
+    const Scene scene = heaps_of_spheres(6, spheres);
+    RayBatch rays = test::hard_rays(scene, 23);
+    rays.append(test::coherent_rays(scene));
+    for (const char* leaf : {"1", "8", "64"}) expect_as_by_list(scene, parse_technique("bvh:traversal=stream,max_leaf_size=" + std::string(leaf)), rays);
+  }
+}
+
+TEST(Stream, KeepsRaysOfEveryOctantAndLongestAxisApart) {
+  const Scene& scene = scene_named("mixed");
+  RayBatch lone, many;
+  for (const float x : {-2.0f, -1.0f, -0.0f, 0.0f, 1.0f, 2.0f}) {
+    for (const float y : {-2.0f, -1.0f, -0.0f, 0.0f, 1.0f, 2.0f}) {
+      for (const float z : {-2.0f, -1.0f, -0.0f, 0.0f, 1.0f, 2.0f}) lone.push_back({{0.3f - 3 * x, 0.2f - 3 * y, 0.1f - 3 * z}, 0, {x, y, z}, 1e30f});
+    }
+  }
+  for (std::size_t i = 0; i < 20 * lone.size(); ++i) {
+    Ray ray = lone[i % lone.size()];
+    ray.org[i % 3] += 0.01f * static_cast<float>(i % 101);
+    many.push_back(ray);
+  }
+  expect_as_by_list(scene, stream(), lone);
+  expect_as_by_list(scene, stream(), many);
 }
 
 TEST(Stream, CountsAlikeOnAnyNumberOfThreads) {

@@ -20,19 +20,24 @@ using test::Random;
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
 struct Case {
-  const StructureEntry* entry;
+  std::string technique;
   Isa isa;
+
+  [[nodiscard]] bool is(std::string_view structure) const { return technique == structure; }
 };
 
+/// Every structure with default parameters, and the traversals of `bvh` that have triangle tests of their own.
 std::vector<Case> all_cases() {
+  std::vector<std::string> techniques{"bvh:traversal=beam", "bvh:traversal=stream"};
+  for (const StructureEntry& entry : structures()) techniques.emplace_back(entry.name);
   std::vector<Case> cases;
-  for (const StructureEntry& entry : structures()) {
-    for (const Isa isa : kIsas) cases.push_back({&entry, isa});
+  for (const std::string& technique : techniques) {
+    for (const Isa isa : kIsas) cases.push_back({technique, isa});
   }
   return cases;
 }
 
-std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.entry->name << '_' << name(c.isa); }
+std::ostream& operator<<(std::ostream& out, const Case& c) { return out << test::test_name(c.technique) << '_' << name(c.isa); }
 
 /// A scene's rays at vertices, edges and faces; made once.
 struct Mesh {
@@ -59,22 +64,25 @@ protected:
   }
   /// For time's sake: what tests all primitives gets a thousandth of the rays, what makes cells for rays without coherence a tenth but on one instruction set.
   [[nodiscard]] static RayBatch affordable(const RayBatch& rays) {
-    const std::size_t step = GetParam().entry->name == "list" ? 1000 : GetParam().entry->name == "ray_classification" && GetParam().isa != Isa::avx2 ? 10 : 1;
+    const std::size_t step = GetParam().is("list") ? 1000 : GetParam().is("ray_classification") && GetParam().isa != Isa::avx2 ? 10 : 1;
     RayBatch some;
     for (std::size_t i = 0; i < rays.size(); i += step) some.push_back(rays[i]);
     return some;
   }
-  /// Rays that a structure with default parameters loses.
+  /// Rays that a structure loses, the nearest hit or any being asked for.
   static std::ptrdiff_t misses(const Scene& scene, const RayBatch& rays, std::initializer_list<int> packets) {
-    const ParamValues params = GetParam().entry->resolve({});
-    const auto structure = GetParam().entry->build(scene, params, 1);
+    const TechniqueSpec spec = parse_technique(GetParam().technique);
+    const auto structure = spec.structure->build(scene, spec.params, 1);
     std::ptrdiff_t lost = 0;
     for (const int packet : packets) {
-      const auto intersector = structure->intersector({GetParam().isa, packet, params});
+      const auto intersector = structure->intersector({GetParam().isa, packet, spec.params});
       HitBatch hits;
+      test::Blockers blockers;
       intersector->prepare(rays.view(), Query::closest, 1);
       trace_closest(*intersector, rays, hits, 1);
-      lost += std::count(hits.prim.begin(), hits.prim.end(), -1);
+      intersector->prepare(rays.view(), Query::any, 1);
+      trace_any(*intersector, rays, blockers, 1);
+      lost += std::count(hits.prim.begin(), hits.prim.end(), -1) + std::count(blockers.begin(), blockers.end(), -1);
     }
     return lost;
   }
@@ -128,11 +136,11 @@ struct HeightField {
 
 TEST_P(ClosedMeshes, VerticalRaysMeetAnIntegerHeightFieldExactly) {
   static const HeightField field;
-  const ParamValues params = GetParam().entry->resolve({});
-  const auto structure = GetParam().entry->build(field.scene, params, 1);
-  const auto intersector = structure->intersector({GetParam().isa, 16, params});
+  const TechniqueSpec spec = parse_technique(GetParam().technique);
+  const auto structure = spec.structure->build(field.scene, spec.params, 1);
+  const auto intersector = structure->intersector({GetParam().isa, 16, spec.params});
   HitBatch hits;
-  const bool all = GetParam().entry->name != "list";
+  const bool all = !GetParam().is("list");
   RayBatch rays;
   std::vector<float> expected;
   for (std::size_t i = 0; i < field.rays.size(); i += all ? 1 : 257) {
