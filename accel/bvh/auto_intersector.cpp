@@ -15,7 +15,7 @@ constexpr int kLeastOfOctant = 8;
 /// Beams of fewer rays, or of less than a register, lose to streams.
 constexpr int kLeastBeam = 8;
 /// Beams lose to streams where they meet this many times as many leaves as one of their rays, by query: rays that any hit ends part sooner.
-constexpr double kMostLeaves[2] = {3, 2};
+constexpr double kMostLeaves[2] = {3, 1.25};
 
 /// Whether the rays are too few to make groups of one octant.
 bool is_sparse(const RayView& rays) noexcept {
