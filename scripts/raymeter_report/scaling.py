@@ -12,7 +12,7 @@ from .records import Value
 from .table import Column, Field, Table, number_field, setting_field
 
 LEAST_SIZES = 3
-BUILD, MEMORY = "build time", "bytes per primitive"
+BUILD, MEMORY = "build time", "memory"
 # Student's t for 95 %, by degrees of freedom; beyond them the normal distribution's is close.
 STUDENT = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228)
 NORMAL = 1.96
@@ -83,7 +83,7 @@ def scaling_table(cells: Sequence[Cell]) -> Table:
     for one in growths(cells):
         power = fitted(one.points)
         low, high = one.points[0], one.points[-1]
-        unit = "ms" if one.what == BUILD else "bytes" if one.what == MEMORY else "ns a ray"
+        unit = "ms" if one.what == BUILD else "bytes a primitive" if one.what == MEMORY else "ns a ray"
         rows.append([
             Field(one.family), Field(one.what), Field(one.technique), setting_field(one.threads), number_field(float(len(one.points)), integer),
             number_field(low[0]), number_field(high[0]), number_field(low[1]), number_field(high[1]), Field(unit), Field(f"{power.exponent:.3f}", power.exponent),
