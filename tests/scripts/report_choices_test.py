@@ -7,12 +7,13 @@ import sys
 import unittest
 import xml.etree.ElementTree
 from pathlib import Path
+from types import SimpleNamespace
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run
-from raymeter_report import best_settings, cells, drafts, figure_peer, figure_sweep, hard_cases, numbers, peer, price_list, records, scaling, shadow_cache, style, tables
+from raymeter_report import best_settings, cells, drafts, figure_cases, figure_peer, figure_reference, figure_sweep, hard_cases, numbers, peer, price_list, records, scaling, shadow_cache, style, tables
 from report_support import TemporaryFolder, run_cli
 
 
@@ -192,6 +193,32 @@ class HardCases(unittest.TestCase):
         self.assertEqual([field.text for field in table.rows[0]], ["ties", "100", "0; 2.00 ulp", "7 / 0 / 0, 3 self-hits"])
         self.assertEqual([field.tone for field in table.rows[0]], ["", "", "", "bad"])
         self.assertEqual([field.text for field in table.rows[1]], ["cones", "100", "0", ""])
+
+    def test_the_figure_sets_excused_answers_off(self) -> None:
+        some = [self.cell("hard:garbage", "bvh", "avx2"), self.cell("hard:garbage", "grid", "avx2", status="wrong"), self.cell("hard:garbage", "embree", "avx2"),
+                self.cell("hard:ties", "bvh", "avx2")]
+        for cell, wrong in zip(some, (13.0, 7.0, 5.0)):
+            cell.accuracy["false_hit"] = wrong
+        with style.styled():
+            axes = figure_cases.cases_figure(some).axes[0]
+        self.assertEqual([text.get_text() for text in axes.texts], ["(13)", "7", "5", "0"])
+        self.assertEqual([label.get_text() for label in axes.get_yticklabels()], ["garbage", "ties"])
+
+
+class OtherRays(unittest.TestCase):
+    """Time against that of the same technique on other rays."""
+
+    def test_only_where_the_reference_differs_in_its_rays_alone(self) -> None:
+        def cell(rays: str, **more: float) -> cells.Cell:
+            summary = dict(scene="spd:balls:4", rays=rays, phase="closest", structure="bvh", params="", first_hit="cast", occlusion="none", isa="avx2", packet=16.0, status="ok", ratio_vs_ref=None, ratio_lo=None, ratio_hi=None)
+            return cells.Cell("run", summary | more, {}, {}, {}, label="bvh", rays=rays)
+
+        some = [cell("primary", ratio_vs_ref=1.0), cell("invalid", ratio_vs_ref=1.2, ratio_lo=1.1, ratio_hi=1.3), cell("invalid")]
+        for reference, expected in (({"rays": "primary"}, [some[1]]), ({"rays": "primary", "isa": "scalar"}, []), (None, [])):
+            run = SimpleNamespace(name="run", manifest={"config_text": {"measure": {"reference": reference}}})
+            self.assertEqual(figure_reference.against_other_rays([run], some), expected)  # type: ignore[list-item]
+        with style.styled():
+            self.assertEqual(len(figure_reference.reference_figure([some[1]]).axes), 1)
 
 
 class Choices(TemporaryFolder):
