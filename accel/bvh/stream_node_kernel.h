@@ -10,9 +10,21 @@
 namespace raymeter {
 
 /// By child: the rays that meet its box, as bits.
+template <class L>
 struct alignas(64) ChildRays {
   std::uint64_t rays[kWideChildren];
 };
+
+/// Ray i of a group as a bit, in two halves.
+struct RayBits {
+  std::int32_t half[64][2];
+};
+[[nodiscard]] constexpr RayBits ray_bits() noexcept {
+  RayBits bits{};
+  for (int i = 0; i < 64; ++i) bits.half[i][i / 32] = static_cast<std::int32_t>(1u << i % 32);
+  return bits;
+}
+inline constexpr RayBits kRayBits = ray_bits();
 
 /// The planes that rays of an octant meet first and last, in registers.
 template <class L>
@@ -44,10 +56,10 @@ struct NodePlanes {
 };
 
 template <class L>
-[[gnu::always_inline]] inline ChildRays rays_of_children(const WideNode& node, std::uint32_t octant, const StreamRay* ray, std::uint64_t wanted) noexcept {
+[[gnu::always_inline]] inline ChildRays<L> rays_of_children(const WideNode& node, std::uint32_t octant, const StreamRay* ray, std::uint64_t wanted) noexcept {
   using Int = typename L::Int;
   const NodePlanes<L> planes(node, octant);
-  ChildRays met{};
+  ChildRays<L> met{};
   for (int half = 0; half < 2; ++half) {
     Int bits[NodePlanes<L>::kRegisters];
     for (Int& b : bits) b = Int(0);
@@ -63,11 +75,38 @@ template <class L>
   return met;
 }
 
+#if defined(__AVX2__) && defined(__FMA__)
+/// Eight lanes: the lower and the upper halves of the masks in a register each, by one loop over the rays: how often a loop turns no branch foresees.
+template <>
+struct ChildRays<Lanes<Isa::avx2>> {
+  __m256i lower, upper;
+};
+
+template <>
+[[gnu::always_inline]] inline ChildRays<Lanes<Isa::avx2>> rays_of_children<Lanes<Isa::avx2>>(const WideNode& node, std::uint32_t octant, const StreamRay* ray,
+                                                                                             std::uint64_t wanted) noexcept {
+  const NodePlanes<Lanes<Isa::avx2>> planes(node, octant);
+  __m256i lower = _mm256_setzero_si256(), upper = _mm256_setzero_si256();
+  for (; wanted != 0; wanted &= wanted - 1) {
+    const int i = __builtin_ctzll(wanted);
+    const __m256i inside = _mm256_castps_si256(planes.met(ray[i], 0));
+    lower = _mm256_or_si256(lower, _mm256_and_si256(inside, _mm256_set1_epi32(kRayBits.half[i][0])));
+    upper = _mm256_or_si256(upper, _mm256_and_si256(inside, _mm256_set1_epi32(kRayBits.half[i][1])));
+  }
+  return {lower, upper};
+}
+#endif
+
 #ifdef __AVX512DQ__
+template <>
+struct ChildRays<Lanes<Isa::avx512>> {
+  __m512i rays;
+};
+
 /// Sixteen lanes: near and far planes of eight children in turn, so that one register does it all; a mask of pairs of lanes is one of 64-bit integers.
 template <>
-[[gnu::always_inline]] inline ChildRays rays_of_children<Lanes<Isa::avx512>>(const WideNode& node, std::uint32_t octant, const StreamRay* ray,
-                                                                             std::uint64_t wanted) noexcept {
+[[gnu::always_inline]] inline ChildRays<Lanes<Isa::avx512>> rays_of_children<Lanes<Isa::avx512>>(const WideNode& node, std::uint32_t octant,
+                                                                                                 const StreamRay* ray, std::uint64_t wanted) noexcept {
   using L = Lanes<Isa::avx512>;
   using Shuffles = LaneShuffles<Isa::avx512>;
   using Float = L::Float;
@@ -84,9 +123,7 @@ template <>
     const __mmask16 inside = L::Mask(ends + Shuffles::swap_in_pairs(ends) <= Float(one.slack));
     met = _mm512_mask_or_epi32(met, inside, met, _mm512_set1_epi64(static_cast<long long>(wanted & -wanted)));
   }
-  ChildRays children;
-  _mm512_store_si512(&children, met);
-  return children;
+  return {met};
 }
 #endif
 

@@ -22,7 +22,7 @@ struct StreamStack {
 
 /// Pushes the children that any ray meets, the nearest last; `order` as in WideNode.
 template <class L>
-[[gnu::always_inline]] inline void push_children(StreamStack& stack, const WideNode& node, std::uint32_t order, const ChildRays& met) noexcept {
+[[gnu::always_inline]] inline void push_children(StreamStack& stack, const WideNode& node, std::uint32_t order, const ChildRays<L>& met) noexcept {
   for (int i = kWideChildren - 1; i >= 0; --i) {
     const std::uint32_t place = order >> 4 * i & 7;
     stack.rays[stack.size] = met.rays[place];
@@ -31,12 +31,33 @@ template <class L>
   }
 }
 
+#if defined(__AVX2__) && defined(__FMA__)
+template <>
+[[gnu::always_inline]] inline void push_children<Lanes<Isa::avx2>>(StreamStack& stack, const WideNode& node, std::uint32_t order,
+                                                                   const ChildRays<Lanes<Isa::avx2>>& met) noexcept {
+  using Shuffles = LaneShuffles<Isa::avx2>;
+  const __m256i place = _mm256_srlv_epi32(_mm256_set1_epi32(static_cast<int>(order)), _mm256_setr_epi32(28, 24, 20, 16, 12, 8, 4, 0));  // and what is above it
+  const __m256i some = _mm256_permutevar8x32_epi32(_mm256_or_si256(met.lower, met.upper), place);
+  const __m256i none = _mm256_cmpeq_epi32(some, _mm256_setzero_si256());
+  const auto wanted = static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(none))) ^ 0xFFu;
+  const __m256i from = _mm256_permutevar8x32_epi32(place, Shuffles::numbers_of(wanted));
+  const __m256i child = _mm256_permutevar8x32_epi32(_mm256_load_si256(reinterpret_cast<const __m256i*>(node.child)), from);
+  // Halves are unpacked within halves of a register: what is to come third and fourth has to stand in the upper one.
+  const __m256i apart = _mm256_permutevar8x32_epi32(from, _mm256_setr_epi32(0, 1, 4, 5, 2, 3, 6, 7));
+  const __m256i lower = _mm256_permutevar8x32_epi32(met.lower, apart), upper = _mm256_permutevar8x32_epi32(met.upper, apart);
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(stack.rays + stack.size), _mm256_unpacklo_epi32(lower, upper));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(stack.rays + stack.size + 4), _mm256_unpackhi_epi32(lower, upper));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(stack.child + stack.size), child);
+  stack.size += __builtin_popcount(wanted);
+}
+#endif
+
 #ifdef __AVX512DQ__
 template <>
 [[gnu::always_inline]] inline void push_children<Lanes<Isa::avx512>>(StreamStack& stack, const WideNode& node, std::uint32_t order,
-                                                                     const ChildRays& met) noexcept {
+                                                                     const ChildRays<Lanes<Isa::avx512>>& met) noexcept {
   const __m512i place = _mm512_srlv_epi64(_mm512_set1_epi64(order), _mm512_setr_epi64(28, 24, 20, 16, 12, 8, 4, 0));
-  const __m512i rays = _mm512_permutexvar_epi64(place, _mm512_load_si512(&met));
+  const __m512i rays = _mm512_permutexvar_epi64(place, met.rays);
   const __m256i child = _mm256_permutexvar_epi32(_mm512_cvtepi64_epi32(place), _mm256_load_si256(reinterpret_cast<const __m256i*>(node.child)));
   const __mmask8 wanted = _mm512_test_epi64_mask(rays, rays);
   _mm512_storeu_si512(stack.rays + stack.size, _mm512_maskz_compress_epi64(wanted, rays));

@@ -13,6 +13,22 @@ template <Isa I>
 struct LaneShuffles;
 
 #if defined(__AVX2__) && defined(__FMA__)
+/// By byte: the numbers of the bits that are set, in order, then 0.
+struct BitNumbers {
+  std::uint8_t number[256][8];
+};
+[[nodiscard]] constexpr BitNumbers bit_numbers() noexcept {
+  BitNumbers table{};
+  for (int byte = 0; byte < 256; ++byte) {
+    int count = 0;
+    for (int bit = 0; bit < 8; ++bit) {
+      if ((byte >> bit & 1) != 0) table.number[byte][count++] = static_cast<std::uint8_t>(bit);
+    }
+  }
+  return table;
+}
+inline constexpr BitNumbers kBitNumbers = bit_numbers();
+
 template <>
 struct LaneShuffles<Isa::avx2> {
   using Float = Lanes<Isa::avx2>::Float;
@@ -25,6 +41,8 @@ struct LaneShuffles<Isa::avx2> {
   }
   /// 8 bytes as integers.
   static Int load_bytes(const std::uint8_t* p) noexcept { return _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p))); }
+  /// The numbers of the lanes that are bits of a byte, in order, then 0: what compresses a register by a permutation.
+  static Int numbers_of(std::uint32_t byte) noexcept { return load_bytes(kBitNumbers.number[byte]); }
   /// Lanes 0 to 7.
   static void store_eight(float* p, Float v) noexcept { _mm256_storeu_ps(p, v); }
   /// Lane i of row j becomes lane j of row i.
