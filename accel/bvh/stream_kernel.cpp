@@ -112,30 +112,61 @@ void test_run_of_group(const WideBvhView& bvh, PrimitiveRun run, std::uint64_t r
   }
 }
 
-/// Takes the topmost child off the group's stack, and asks early for the next.
+/// A group on its way through the hierarchy.
+template <class L>
+struct Descent {
+  StreamStack stack;
+  std::int32_t first;  ///< of its rays, in the sorted slice
+  WideRef child;       ///< what it has come to, and the rays that want it
+  std::uint64_t rays;
+  StreamGroup<L> group;
+};
+
 template <Query Q, class L, class Stats>
-[[gnu::always_inline]] inline void step(const WideBvhView& bvh, const RayView& rays_of_slice, const std::int32_t* source, StreamStack& stack,
-                                        StreamGroup<L>& group, Stats stats) noexcept {
-  --stack.size;
-  const WideRef child = stack.child[stack.size];
-  const std::uint64_t rays = stack.rays[stack.size] & (Q == Query::any ? group.alive : ~std::uint64_t{0});
-  if (rays == 0) {
-  } else if (child.tag() == WideRef::Tag::inner) {
-    const WideNode& node = bvh.nodes[child.index()];
-    count_node<L>(rays, stats);
-    push_children<L>(stack, node, node.order[group.order], rays_of_children<L>(node, group.octant, group.ray, rays));
+[[gnu::always_inline]] inline void open_node(const WideBvhView& bvh, Descent<L>& at, Stats stats) noexcept {
+  const WideNode& node = bvh.nodes[at.child.index()];
+  count_node<L>(at.rays, stats);
+  push_children<L>(at.stack, node, node.order[at.group.order], rays_of_children<L>(node, at.group.octant, at.group.ray, at.rays));
+}
+
+template <Query Q, class L, class Stats>
+[[gnu::always_inline]] inline void test_leaf(const WideBvhView& bvh, const RayView& rays_of_slice, const std::int32_t* source, Descent<L>& at,
+                                             Stats stats) noexcept {
+  count_rays<Event::leaf_visit, L>(at.rays, stats);
+  if (at.child.tag() == WideRef::Tag::block) {
+    test_block_of_group<Q>(bvh.blocks[at.child.index()], at.rays, at.group, stats);
+  } else if (const PrimitiveRun run = bvh.runs[at.child.index()]; run.kind() == PrimKind::sphere) {
+    test_spheres_of_group<Q>(bvh.pools.spheres, run, at.rays, at.group, stats);
   } else {
-    count_rays<Event::leaf_visit, L>(rays, stats);
-    if (child.tag() == WideRef::Tag::block) {
-      test_block_of_group<Q>(bvh.blocks[child.index()], rays, group, stats);
-    } else if (const PrimitiveRun run = bvh.runs[child.index()]; run.kind() == PrimKind::sphere) {
-      test_spheres_of_group<Q>(bvh.pools.spheres, run, rays, group, stats);
-    } else {
-      group.load_rays(rays_of_slice, source);
-      test_run_of_group<Q>(bvh, run, rays, group, stats);
-    }
+    at.group.load_rays(rays_of_slice, source + at.first);
+    test_run_of_group<Q>(bvh, run, at.rays, at.group, stats);
   }
-  if (stack.size > 0) prefetch_child(bvh, stack.child[stack.size - 1]);
+}
+
+/// Takes each group one child further. What a child is no branch foresees: those that have come to nodes go first, then those that have come to leaves.
+template <Query Q, class L, class Stats>
+[[gnu::always_inline]] inline void step(const WideBvhView& bvh, const RayView& rays_of_slice, const std::int32_t* source, Descent<L>* const* descent, int count,
+                                        Stats stats) noexcept {
+  std::uint32_t at_nodes = 0, at_leaves = 0;
+  for (int g = 0; g < count; ++g) {
+    Descent<L>& at = *descent[g];
+    --at.stack.size;
+    at.child = at.stack.child[at.stack.size];
+    at.rays = at.stack.rays[at.stack.size] & (Q == Query::any ? at.group.alive : ~std::uint64_t{0});
+    const std::uint32_t wanted = at.rays != 0 ? 1u : 0u, is_node = at.child.tag() == WideRef::Tag::inner ? 1u : 0u;
+    at_nodes |= (wanted & is_node) << g;
+    at_leaves |= (wanted & ~is_node) << g;
+  }
+  for (; at_nodes != 0; at_nodes &= at_nodes - 1) {
+    Descent<L>& at = *descent[__builtin_ctz(at_nodes)];
+    open_node<Q>(bvh, at, stats);
+    if (at.stack.size > 0) prefetch_child(bvh, at.stack.child[at.stack.size - 1]);
+  }
+  for (; at_leaves != 0; at_leaves &= at_leaves - 1) {
+    Descent<L>& at = *descent[__builtin_ctz(at_leaves)];
+    if (at.stack.size > 0) prefetch_child(bvh, at.stack.child[at.stack.size - 1]);
+    test_leaf<Q>(bvh, rays_of_slice, source, at, stats);
+  }
 }
 
 /// Puts a group's hits where its rays came from.
@@ -199,38 +230,37 @@ template <Query Q, class L, class Stats>
 void trace_slice(const WideBvhView& bvh, const TraceArgs& args, SortedRays& sorted, std::byte* stacks, Stats stats) noexcept {
   sort_by_bin<L>(args.rays, bvh.pools.spheres.prim != nullptr, sorted);
   GroupCutter cutter{sorted.first, args.packet};
-  StreamGroup<L> group[kInterleaved];
-  StreamStack stack[kInterleaved];
-  std::int32_t first[kInterleaved] = {};
+  Descent<L> descents[kInterleaved];
+  Descent<L>* active[kInterleaved];
   int count = 0;
   // Rays that part little, as those to a light, are blocked far from what they leave more often than near it. What parts is blocked near, while together.
   const auto far_first = [&](std::uint32_t bin) noexcept { return 2 * (sorted.first[bin + 1] - sorted.first[bin]) > args.rays.count; };
-  const auto start = [&](int g) noexcept {
-    if (!cutter.next()) return false;
-    first[g] = cutter.first;
-    group[g].start(sorted, cutter.first, cutter.count, cutter.bin);
-    if (Q == Query::any && far_first(cutter.bin)) group[g].order ^= 7;
-    stack[g].size = 0;
-    if (group[g].alive != 0) stack[g].push(WideRef(WideRef::Tag::inner, 0), group[g].alive);
-    return true;
+  // Starts the next group that has anything to trace.
+  const auto start = [&](Descent<L>& at) noexcept {
+    while (cutter.next()) {
+      at.first = cutter.first;
+      at.group.start(sorted, cutter.first, cutter.count, cutter.bin);
+      if (Q == Query::any && far_first(cutter.bin)) at.group.order ^= 7;
+      if (at.group.alive != 0) {
+        at.stack.size = 0;
+        at.stack.push(WideRef(WideRef::Tag::inner, 0), at.group.alive);
+        return true;
+      }
+      store_group<Q>(args, sorted.source + at.first, sorted.t_unit + at.first, at.group);
+    }
+    return false;
   };
   for (int g = 0; g < kInterleaved; ++g) {
-    stack[g] = StreamStack(stacks + static_cast<std::size_t>(g) * stream_stack_bytes(bvh.stack_capacity), bvh.stack_capacity);
-    if (count == g && start(g)) ++count;
+    descents[g].stack = StreamStack(stacks + static_cast<std::size_t>(g) * stream_stack_bytes(bvh.stack_capacity), bvh.stack_capacity);
+    if (count == g && start(descents[g])) active[count++] = &descents[g];
   }
   while (count > 0) {
-    for (int g = 0; g < count; ++g) {
-      if (stack[g].size > 0) {
-        step<Q>(bvh, args.rays, sorted.source + first[g], stack[g], group[g], stats);
-        continue;
-      }
-      store_group<Q>(args, sorted.source + first[g], sorted.t_unit + first[g], group[g]);
-      if (start(g)) continue;
-      --count;
-      group[g] = group[count];
-      stack[g] = stack[count];
-      first[g] = first[count];
-      --g;
+    step<Q>(bvh, args.rays, sorted.source, active, count, stats);
+    for (int g = count - 1; g >= 0; --g) {
+      Descent<L>& at = *active[g];
+      if (at.stack.size > 0) continue;
+      store_group<Q>(args, sorted.source + at.first, sorted.t_unit + at.first, at.group);
+      if (!start(at)) active[g] = active[--count];
     }
   }
 }
