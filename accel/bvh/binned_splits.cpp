@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <tuple>
 
 namespace raymeter {
 
@@ -70,9 +71,9 @@ void bin_centers(std::span<const BinnedBox> boxes, const BinMapping& mapping, Bi
       boxes, bins,
       [&](Bins& sum, std::span<const BinnedBox> part) {
         for (const BinnedBox& one : part) {
-          const Row4 place = mapping.place(one);
+          const auto bin = mapping.bins_of(one);
           for (int a = 0; a < 3; ++a) {
-            const int b = mapping.bin(place, a);
+            const int b = bin[a];
             grow(sum.box[a][b], one.box);
             ++sum.entering[a][b];
           }
@@ -82,37 +83,57 @@ void bin_centers(std::span<const BinnedBox> boxes, const BinMapping& mapping, Bi
   for (int a = 0; a < 3; ++a) std::copy_n(bins.entering[a], mapping.bins, bins.leaving[a]);
 }
 
+CenterSplit split_by_centers(std::span<const BinnedBox> boxes, const BinMapping& mapping) {
+  Bins bins(mapping.bins);
+  bin_centers(boxes, mapping, bins);
+  CenterSplit split{cheapest(bins, mapping.bins), {}, {}};
+  if (split.axis >= 0) std::tie(split.left, split.right) = sides(bins, mapping.bins, split);
+  return split;
+}
+
 namespace {
 
-using Mask4 = int __attribute__((vector_size(16)));
+using Mask4 = std::int32_t __attribute__((vector_size(16)));
 
-/// Adds the box unless `leave_out` has its bits set, without a branch: they make it NaN.
-void add_unless(NodeBounds& bounds, const BinnedBox& one, int leave_out) noexcept {
-  const Mask4 mask{leave_out, leave_out, leave_out, leave_out};
-  const auto masked = [&](const Row4& row) { return std::bit_cast<Row4>(std::bit_cast<Mask4>(row) | mask); };
-  const Row4 center2 = masked(one.box.min + one.box.max);
-  grow(bounds.box, {masked(one.box.min), masked(one.box.max)});
-  grow(bounds.centers2, {center2, center2});
+Row4 splat(float value) noexcept { return Row4{value, value, value, value}; }
+
+/// Grows by a point unless `leave_out` has its bits set, without a branch: they make it NaN.
+void grow_unless(Box4& box, const Row4& point, const Mask4& leave_out) noexcept {
+  const auto kept = std::bit_cast<Row4>(std::bit_cast<Mask4>(point) | leave_out);
+  grow(box, {kept, kept});
+}
+
+/// Which side a box is on no branch can foresee: each changes places with the first of the right child, which moves on where that was wanted.
+Halves put_left_first(std::span<BinnedBox> boxes, const CenterSplit& split, const BinMapping& mapping) noexcept {
+  Halves halves{0, {split.left.box, kEmptyBox4}, {split.right.box, kEmptyBox4}};
+  Box4 left_centers2 = kEmptyBox4, right_centers2 = kEmptyBox4;
+  const Row4 offset = splat(mapping.offset[split.axis]), scale = splat(mapping.scale[split.axis]), border = splat(static_cast<float>(split.bin));
+  BinnedBox* first_right = boxes.data();
+  for (BinnedBox& box : boxes) {
+    const Row4 place = (splat(box.box.min[split.axis]) + splat(box.box.max[split.axis]) - offset) * scale;
+    const Mask4 in_left = place < border;
+    const BinnedBox one = box;
+    box = *first_right;
+    *first_right = one;
+    first_right -= in_left[0];
+    const Row4 center2 = one.box.min + one.box.max;
+    grow_unless(left_centers2, center2, ~in_left);
+    grow_unless(right_centers2, center2, in_left);
+  }
+  halves.left_count = static_cast<std::size_t>(first_right - boxes.data());
+  halves.left.centers2 = left_centers2;
+  halves.right.centers2 = right_centers2;
+  return halves;
 }
 
 }  // namespace
 
-Halves partition(std::span<BinnedBox> boxes, const BinnedSplit& split, const BinMapping& mapping) {
-  Halves halves;
+Halves partition(std::span<BinnedBox> boxes, const CenterSplit& split, const BinMapping& mapping) {
   if (split.axis >= 0) {
-    // Which side a box is on no branch can foresee: each changes places with the first of the right child, which moves on where that was wanted.
-    std::size_t& left = halves.left_count;
-    for (BinnedBox& box : boxes) {
-      const BinnedBox one = box;
-      const bool in_left = mapping.bin(mapping.place(one), split.axis) < split.bin;
-      box = boxes[left];
-      boxes[left] = one;
-      left += in_left ? 1 : 0;
-      add_unless(halves.left, one, in_left ? 0 : -1);
-      add_unless(halves.right, one, in_left ? -1 : 0);
-    }
+    const Halves halves = put_left_first(boxes, split, mapping);
     if (halves.left_count > 0 && halves.left_count < boxes.size()) return halves;
   }
+  Halves halves;
   halves.left_count = boxes.size() / 2;
   halves.left = bounds_of(boxes.first(halves.left_count));
   halves.right = bounds_of(boxes.subspan(halves.left_count));

@@ -44,18 +44,22 @@ inline void grow(Box4& box, const Box4& other) noexcept {
 
 [[nodiscard]] inline Aabb to_aabb(const Box4& box) noexcept { return {{box.min[0], box.min[1], box.min[2]}, {box.max[0], box.max[1], box.max[2]}}; }
 
-/// The box of a primitive or of a part of one, and in the fourth row elements which primitive it is: the pattern of a number that is not denormal, which would
-/// be slow to calculate with.
+/// The box of a primitive or of a part of one, and in the fourth row elements which primitive it is: patterns of numbers that are not denormal, which would be
+/// slow to calculate with. The sign bits hold the kind.
 struct BinnedBox {
   Box4 box;
   BinnedBox() = default;
-  BinnedBox(const Aabb& around, std::int32_t prim) noexcept
-      : box{{around.min.x, around.min.y, around.min.z, 0.0f}, {around.max.x, around.max.y, around.max.z, std::bit_cast<float>(prim | kNormal)}} {}
-  [[nodiscard]] std::int32_t prim() const noexcept { return std::bit_cast<std::int32_t>(box.max[3]) & ~kNormal; }
+  BinnedBox(const Aabb& around, PrimRef prim) noexcept
+      : box{{around.min.x, around.min.y, around.min.z, std::bit_cast<float>(kNormal | prim.kind_bits << 31)},
+            {around.max.x, around.max.y, around.max.z, std::bit_cast<float>(kNormal | prim.index | prim.kind_bits >> 1 << 31)}} {}
+  [[nodiscard]] PrimRef prim() const noexcept {
+    const auto low = std::bit_cast<std::uint32_t>(box.min[3]), high = std::bit_cast<std::uint32_t>(box.max[3]);
+    return {(low >> 31 | high >> 31 << 1) & 3u, high & 0x1FFFFFFFu};
+  }
   [[nodiscard]] Aabb aabb() const noexcept { return to_aabb(box); }
 
 private:
-  static constexpr std::int32_t kNormal = 0x40000000;
+  static constexpr std::uint32_t kNormal = 0x40000000;
 };
 
 /// What is needed to split a node: the bounds of its boxes and of (twice) their centres.
@@ -86,17 +90,18 @@ struct BinMapping {
       scale[a] = a < 3 && extent > 0 && factor < kInfinite ? factor : 0.0f;
     }
   }
-  /// Of a box in bins, on all axes.
-  [[nodiscard]] Row4 place(const BinnedBox& one) const noexcept { return (one.box.min + one.box.max - offset) * scale; }
-  [[nodiscard]] int bin(const Row4& place, int axis) const noexcept {
-    const auto b = static_cast<int>(place[axis]);
-    return b < bins ? b : bins - 1;
+  /// The bins that a box belongs to, by axis.
+  [[nodiscard]] auto bins_of(const BinnedBox& one) const noexcept {
+    using Ints4 = std::int32_t __attribute__((vector_size(16)));
+    const auto last = static_cast<float>(bins - 1);
+    const Row4 place = (one.box.min + one.box.max - offset) * scale, most{last, last, last, last};
+    return __builtin_convertvector(place < most ? place : most, Ints4);
   }
 };
 
-/// Bins for so many boxes: more tell nothing more.
+/// Bins for so many boxes: where there are few, many bins cost more than they tell.
 [[nodiscard]] inline int bin_count(int most, std::size_t boxes) noexcept {
-  return std::min(most, std::max(4, static_cast<int>(std::min<std::size_t>(boxes, kMaxBins))));
+  return std::min(most, static_cast<int>(4 + std::min<std::size_t>(boxes, 8 * kMaxBins) / 8));
 }
 
 /// On each axis the boxes of bins, and how many boxes begin and end in them: of splits by centres, all in one.
@@ -138,6 +143,12 @@ void over_parts(std::span<const BinnedBox> boxes, Sum& sum, Body&& body, Merge&&
 [[nodiscard]] NodeBounds bounds_of(std::span<const BinnedBox> boxes);
 void bin_centers(std::span<const BinnedBox> boxes, const BinMapping& mapping, Bins& bins);
 
+/// The cheapest split by centres, and its children.
+struct CenterSplit : BinnedSplit {
+  BinnedSide left, right;
+};
+[[nodiscard]] CenterSplit split_by_centers(std::span<const BinnedBox> boxes, const BinMapping& mapping);
+
 /// How many of a node's boxes stand in front for its left child, and the children's bounds.
 struct Halves {
   std::size_t left_count = 0;
@@ -145,6 +156,6 @@ struct Halves {
   NodeBounds right;
 };
 /// Brings the boxes of the left child to the front. Without a split, or with one that leaves a side empty, the node is halved as it lies.
-[[nodiscard]] Halves partition(std::span<BinnedBox> boxes, const BinnedSplit& split, const BinMapping& mapping);
+[[nodiscard]] Halves partition(std::span<BinnedBox> boxes, const CenterSplit& split, const BinMapping& mapping);
 
 }  // namespace raymeter

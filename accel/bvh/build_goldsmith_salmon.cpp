@@ -56,7 +56,7 @@ BvhTree with_boxes(const InsertionTree& from, const std::vector<BuildPrim>& prim
   BvhTree tree;
   if (from.nodes.empty()) return tree;
   tree.nodes.reserve(from.nodes.size());
-  tree.nodes.emplace_back();
+  tree.nodes.push_back({});
   Order source{0};
   source.reserve(from.nodes.size());
   for (std::size_t n = 0; n < tree.nodes.size(); ++n) {
@@ -69,7 +69,7 @@ BvhTree with_boxes(const InsertionTree& from, const std::vector<BuildPrim>& prim
     tree.nodes[n].child_count = node.child_count;
     tree.nodes[n].first = static_cast<std::int32_t>(tree.nodes.size());
     for (std::int32_t c = node.first_child; c != InsertionNode::kNone; c = from.nodes[static_cast<std::size_t>(c)].next) {
-      tree.nodes.emplace_back();
+      tree.nodes.push_back({});
       source.push_back(c);
     }
   }

@@ -68,7 +68,7 @@ private:
 
   const std::vector<BuildPrim>& prims_;
   const std::vector<MortonPrim>& order_;
-  std::vector<BvhTree::Node> nodes_;
+  Column<BvhTree::Node> nodes_;
 };
 
 }  // namespace

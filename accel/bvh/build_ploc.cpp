@@ -69,7 +69,7 @@ public:
   BvhTree build(std::int32_t radius) {
     if (clusters_.empty()) return {};
     tree_.nodes.reserve(2 * clusters_.size());
-    tree_.nodes.emplace_back();  // the root, which is known last
+    tree_.nodes.push_back({});  // the root, which is known last
     std::vector<std::int32_t> partner(clusters_.size());
     while (clusters_.size() > 1) {
       tbb::parallel_for(std::size_t{0}, clusters_.size(), [&](std::size_t i) { partner[i] = nearest(clusters_, static_cast<std::int32_t>(i), radius); });

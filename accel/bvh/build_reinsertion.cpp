@@ -82,7 +82,7 @@ public:
       }
       out.node(n) = {node.box, static_cast<std::int32_t>(out.nodes.size()), 2, 0};
       for (const std::int32_t c : node.child) {
-        out.nodes.emplace_back();
+        out.nodes.push_back({});
         source.push_back(c);
       }
     }

@@ -11,12 +11,13 @@
 #include <span>
 #include <vector>
 
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
 #include "accel/bvh/binned_splits.h"
 #include "accel/bvh/box_builders.h"
+#include "accel/bvh/build_prims.h"
 #include "accel/bvh/spatial_bins.h"
+#include "core/base/column.h"
 #include "core/base/threads.h"
 #include "core/bounds/split_reference.h"
 
@@ -30,24 +31,19 @@ constexpr int kPlaneBins = 8;
 class Sbvh {
 public:
   Sbvh(const Scene& scene, const SahParams& sah, const SbvhParams& params) : scene_(scene), sah_(sah), params_(params) {
-    std::vector<std::int32_t> ids;
-    ids.reserve(static_cast<std::size_t>(scene.prim_count()));
-    for (std::int32_t id = 0; id < scene.prim_id_count(); ++id) {
-      if (!scene.prim(id).dropped()) ids.push_back(id);
-    }
-    references_.resize(ids.size());
-    tbb::parallel_for(std::size_t{0}, ids.size(), [&](std::size_t i) { references_[i] = {tight_bounds(scene.pools(), scene.prim(ids[i])), ids[i]}; });
+    references_.resize_for_overwrite(static_cast<std::size_t>(scene.prim_count()));
+    for_each_prim_that_can_be_hit(scene, [&](std::size_t i, PrimRef prim) { references_[i] = {tight_bounds(scene.pools(), prim), prim}; });
   }
 
   BvhTree build() {
     if (references_.empty()) return {};
     const auto budget = static_cast<std::size_t>(params_.split_budget * static_cast<double>(references_.size()));
     tree_.order.resize(references_.size() + budget);
-    tree_.nodes.resize(2 * tree_.order.size());
-    const NodeBounds bounds = bounds_of(references_);
+    tree_.nodes.resize_for_overwrite(2 * tree_.order.size());  // of which few are
+    const NodeBounds bounds = bounds_of(references_.span());
     root_area_ = half_area(bounds.box);
     next_node_ = 1;
-    split(0, {references_, bounds, budget, 0});
+    split(0, {{references_.data(), references_.size()}, bounds, budget, 0});
     return depth_first(tree_);
   }
 
@@ -99,7 +95,7 @@ private:
       const bool in_left = mapping.bin(reference.box.min[split.axis], split.axis) < split.bin;
       const bool in_right = mapping.bin(reference.box.max[split.axis], split.axis) >= split.bin;
       if (in_left && in_right) {
-        const SplitReference whole{reference.aabb(), scene_.prim(reference.prim())};
+        const SplitReference whole{reference.aabb(), reference.prim()};
         put_to_cheapest(reference, cut(scene_.pools(), whole, split.axis, mapping.border(split.bin, split.axis)), children.first, children.second, out);
       } else {
         (in_left ? out.left : out.right).push_back(reference);
@@ -122,16 +118,14 @@ private:
 
   /// The best split by centres, and the half area that its children have in common; of the root's where there is none.
   struct ObjectSplit {
-    BinnedSplit split;
+    CenterSplit split;
     float overlap = kInfinite;
   };
   [[nodiscard]] static ObjectSplit best_by_centers(std::span<const BinnedBox> references, const BinMapping& mapping) {
-    Bins bins(mapping.bins);
-    bin_centers(references, mapping, bins);
-    ObjectSplit found{cheapest(bins, mapping.bins)};
+    ObjectSplit found{split_by_centers(references, mapping)};
     if (found.split.axis < 0) return found;
-    const auto [left, right] = sides(bins, mapping.bins, found.split);
-    const Box4 common{left.box.min > right.box.min ? left.box.min : right.box.min, left.box.max < right.box.max ? left.box.max : right.box.max};
+    const Box4 &left = found.split.left.box, &right = found.split.right.box;
+    const Box4 common{left.min > right.min ? left.min : right.min, left.max < right.max ? left.max : right.max};
     const bool meet = common.min[0] <= common.max[0] && common.min[1] <= common.max[1] && common.min[2] <= common.max[2];
     found.overlap = meet ? half_area(common) : 0.0f;
     return found;
@@ -161,8 +155,7 @@ private:
     const std::size_t both = left.size() + right.size(), rest = item.budget - (both - item.references.size());
     const std::size_t left_budget = rest * left.size() / both;
     const std::int32_t child = next_node_.fetch_add(2);
-    tree_.node(node).first = child;
-    tree_.node(node).child_count = 2;
+    tree_.node(node) = {{}, child, 2, 0};
     const auto make_left = [&] { split(child, {left, left_bounds, left_budget, item.depth + 1}); };
     const auto make_right = [&] { split(child + 1, {right, right_bounds, rest - left_budget, item.depth + 1}); };
     if (both >= kParallelBoxes) {
@@ -179,7 +172,7 @@ private:
     const auto count = static_cast<std::int32_t>(references.size());
     BvhTree::Node leaf{{}, next_reference_.fetch_add(count), 0, count};
     for (std::size_t i = 0; i < references.size(); ++i) {
-      const PrimRef ref = scene_.prim(references[i].prim());
+      const PrimRef ref = references[i].prim();
       tree_.order[static_cast<std::size_t>(leaf.first) + i] = ref;
       leaf.box.grow(padded_part(scene_.pools(), {references[i].aabb(), ref}));
     }
@@ -189,7 +182,7 @@ private:
   const Scene& scene_;
   SahParams sah_;
   SbvhParams params_;
-  std::vector<BinnedBox> references_;
+  Column<BinnedBox> references_;
   float root_area_ = 0;
   BvhTree tree_;
   std::atomic<std::int32_t> next_node_{0};

@@ -147,7 +147,7 @@ private:
   std::array<std::vector<float>, 3> right_cost_;
   std::vector<std::uint8_t> left_;
   std::vector<std::int32_t> scratch_;
-  std::vector<BvhTree::Node> nodes_;
+  Column<BvhTree::Node> nodes_;
   std::atomic<std::int32_t> next_node_{0};
 };
 

@@ -24,6 +24,11 @@ BvhTree build_with(const Scene& scene, const BvhParams& params, int threads) {
   }
 }
 
+/// A tree that is still to be changed is to have all of its leaves.
+BvhTree build_with_binned_sah(const Scene& scene, const BvhParams& params, int threads) {
+  return build_binned_sah(scene, params, threads, params.is_wide() && params.reinsertion == 0 ? LeafUse::for_blocks : LeafUse::as_they_are);
+}
+
 /// By the areas of the volume in use.
 BvhTree build_with_goldsmith_salmon(const Scene& scene, const BvhParams& params, int threads) {
   return with_volume(params.volume, params, scene, [&](const auto& volume) { return build_goldsmith_salmon(scene, volume, params, threads); });
@@ -31,12 +36,9 @@ BvhTree build_with_goldsmith_salmon(const Scene& scene, const BvhParams& params,
 
 // THE table of builders: a new one is one file and one row.
 constexpr std::array kBuilders{
-    BvhBuilder{"binned_sah", build_with<build_binned_sah>},
-    BvhBuilder{"sweep_sah", build_with<build_sweep_sah>},
-    BvhBuilder{"sbvh", build_with<build_sbvh>},
-    BvhBuilder{"goldsmith_salmon", build_with_goldsmith_salmon},
-    BvhBuilder{"lbvh", build_with<build_lbvh>},
-    BvhBuilder{"ploc", build_with<build_ploc>},
+    BvhBuilder{"binned_sah", build_with_binned_sah}, BvhBuilder{"sweep_sah", build_with<build_sweep_sah>},
+    BvhBuilder{"sbvh", build_with<build_sbvh>},      BvhBuilder{"goldsmith_salmon", build_with_goldsmith_salmon},
+    BvhBuilder{"lbvh", build_with<build_lbvh>},      BvhBuilder{"ploc", build_with<build_ploc>},
 };
 
 }  // namespace

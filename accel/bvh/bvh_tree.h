@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "accel/technique.h"
+#include "core/base/column.h"
 #include "core/bounds/aabb.h"
 
 namespace raymeter {
@@ -16,8 +17,9 @@ struct BvhTree {
     std::int32_t child_count = 0;  ///< children are consecutive; 0: a leaf
     std::int32_t prim_count = 0;   ///< leaves only
   };
-  std::vector<Node> nodes;     ///< nodes[0] is the root, children come after their parent; empty for an empty scene
+  Column<Node> nodes;          ///< nodes[0] is the root, children come after their parent; empty for an empty scene
   std::vector<PrimRef> order;  ///< primitives as the leaves hold them; those that spatial splits cut occur more than once
+  bool fits_blocks = false;    ///< leaves of triangles alone are known to fit those of a wide tree (triangle_block.h); they are sorted by kind
 
   [[nodiscard]] Node& node(std::int32_t n) noexcept { return nodes[static_cast<std::size_t>(n)]; }
   [[nodiscard]] const Node& node(std::int32_t n) const noexcept { return nodes[static_cast<std::size_t>(n)]; }

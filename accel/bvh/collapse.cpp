@@ -56,7 +56,8 @@ BvhTree with_width(const BvhTree& tree, int width, int threads) {
   if (tree.nodes.empty()) return tree;
   BvhTree narrow = tree;
   on_threads(threads, [&] { group_children(narrow, width); });
-  BvhTree wide{{narrow.nodes[0]}, narrow.order};
+  BvhTree wide{{}, narrow.order};
+  wide.nodes.push_back(narrow.nodes[0]);
   for (std::int32_t n = 0; n < static_cast<std::int32_t>(wide.nodes.size()); ++n) {  // nodes from n on still hold their children in `narrow`
     if (wide.node(n).child_count == 0) continue;
     const std::vector<std::int32_t> children = opened_children(narrow, wide.node(n), width);

@@ -40,7 +40,7 @@ private:
     for_each_task(parts.size(), [&](std::size_t p) {
       for (std::size_t n = p * kPart; n < std::min((p + 1) * kPart, tree_.nodes.size()); ++n) {
         if (tree_.nodes[n].child_count == 1) parts[p].single_children.push_back(n);
-        if (tree_.nodes[n].child_count == 0 && is_large(tree_.nodes[n])) parts[p].large_leaves.push_back(n);
+        if (tree_.nodes[n].child_count == 0 && !is_known_to_fit(tree_.nodes[n]) && is_large(tree_.nodes[n])) parts[p].large_leaves.push_back(n);
       }
     });
     Nodes all;
@@ -49,6 +49,11 @@ private:
       all.large_leaves.insert(all.large_leaves.end(), part.large_leaves.begin(), part.large_leaves.end());
     }
     return all;
+  }
+  /// As it comes from the builder: of mixed leaves the triangles may have to be split further.
+  [[nodiscard]] bool is_known_to_fit(const BvhTree::Node& leaf) const {
+    const auto is_triangle = [&](std::int32_t i) { return tree_.order[static_cast<std::size_t>(leaf.first + i)].kind() == PrimKind::triangle; };
+    return tree_.fits_blocks && is_triangle(0) && is_triangle(leaf.prim_count - 1);
   }
   [[nodiscard]] bool is_large(const BvhTree::Node& leaf) const {
     const auto begin = tree_.order.begin() + leaf.first;
@@ -72,7 +77,7 @@ private:
     };
     const BvhTree::Node children[] = {part(begin, middle), part(middle, end)};
     tree_.nodes[n] = {leaf.box, static_cast<std::int32_t>(tree_.nodes.size()), 2, 0};
-    tree_.nodes.insert(tree_.nodes.end(), std::begin(children), std::end(children));
+    for (const BvhTree::Node& child : children) tree_.nodes.push_back(child);
   }
 
   const Scene& scene_;

@@ -43,7 +43,7 @@ void cut_box(const Box4& box, const SpatialMapping& mapping, int axis, int first
 }
 
 void bin_part(const Scene& scene, const BinnedBox& reference, const SpatialMapping& mapping, Bins& bins) noexcept {
-  const PrimRef prim = scene.prim(reference.prim());
+  const PrimRef prim = reference.prim();
   const bool is_triangle = prim.kind() == PrimKind::triangle;
   const Corners corners = is_triangle ? corners_of(scene.pools().triangles, prim.index) : Corners{};
   for (int a = 0; a < 3; ++a) {

@@ -11,8 +11,8 @@ namespace raymeter {
 
 /// A hierarchy over boxes, whatever they hold.
 struct BoxTree {
-  std::vector<BvhTree::Node> nodes;  ///< as in BvhTree, `first` of a leaf being a position in `order`
-  std::vector<std::int32_t> order;   ///< indices of boxes
+  Column<BvhTree::Node> nodes;      ///< as in BvhTree, `first` of a leaf being a position in `order`
+  std::vector<std::int32_t> order;  ///< indices of boxes
 };
 
 /// Top-down and binary, every split between sorted centres weighed by the surface area heuristic. Runs in the caller's task arena; the tree does not depend on

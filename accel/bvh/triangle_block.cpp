@@ -23,21 +23,49 @@ std::uint64_t equal_to(const float* const* at, int count, float x, float y, floa
   return same;
 }
 
+using Words4 = std::int32_t __attribute__((vector_size(16)));
+
+/// The corners of a block's triangles. They are told apart by a word made of their coordinates, four at once; where words alone are equal by the coordinates.
+struct Corners {
+  static constexpr int kMost = 3 * TriangleBlock::kTriangles;
+  alignas(16) float at[3][kMost];
+  alignas(16) std::int32_t word[kMost];
+  int count = 0;
+
+  void add(float x, float y, float z) noexcept {
+    at[0][count] = x;
+    at[1][count] = y;
+    at[2][count] = z;
+    const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value + 0.0f); };  // of both zeros the same
+    word[count++] = static_cast<std::int32_t>(bits(x) * 0x9E3779B1u + bits(y) * 0x85EBCA77u + bits(z) * 0xC2B2AE3Du);
+  }
+  [[nodiscard]] bool alike(int i, int j) const noexcept { return at[0][i] == at[0][j] && at[1][i] == at[1][j] && at[2][i] == at[2][j]; }
+  /// The first corner in the same place as corner i.
+  [[nodiscard]] int first_like(int i) const noexcept {
+    const Words4 own{word[i], word[i], word[i], word[i]};
+    std::uint64_t same = std::uint64_t{1} << i;
+    for (int j = 0; j < i; j += 4) {
+      Words4 words;
+      std::memcpy(&words, word + j, sizeof words);
+      same |= static_cast<std::uint64_t>(static_cast<unsigned>(__builtin_ia32_movmskps(std::bit_cast<Row4>(words == own)))) << j;
+    }
+    int first = std::countr_zero(same);
+    while (!alike(first, i)) first = std::countr_zero(same &= same - 1);
+    return first;
+  }
+};
+
 }  // namespace
 
 SharedVertices::SharedVertices(const TrianglePool& pool, std::span<const PrimRef> triangles, std::uint8_t (*number)[TriangleBlock::kTriangles]) noexcept {
-  alignas(16) float corner[3][kMost];
-  const float* const corners[3] = {corner[0], corner[1], corner[2]};
-  const int all = 3 * static_cast<int>(triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t a = 0; a < 3; ++a) corner[a][3 * t + k] = pool.vertex[k][a][triangles[t].index];
-    }
+  Corners corners;
+  for (const PrimRef triangle : triangles) {
+    for (std::size_t k = 0; k < 3; ++k) corners.add(pool.vertex[k][0][triangle.index], pool.vertex[k][1][triangle.index], pool.vertex[k][2][triangle.index]);
   }
   std::uint8_t number_of[kMost];
-  for (int i = 0; i < all; ++i) {
-    const std::uint64_t same = equal_to(corners, i, corner[0][i], corner[1][i], corner[2][i]) | std::uint64_t{1} << i;
-    const int first = std::countr_zero(same);
+  const auto& corner = corners.at;
+  for (int i = 0; i < corners.count; ++i) {
+    const int first = corners.first_like(i);
     number_of[i] = static_cast<std::uint8_t>(count_);
     number_of[i] = number_of[first];
     for (int a = 0; a < 3; ++a) at_[a][number_of[i]] = corner[a][first];

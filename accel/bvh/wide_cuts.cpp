@@ -14,8 +14,8 @@ constexpr std::size_t kSmallTree = 4096;  ///< nodes: less have no top
 
 }  // namespace
 
-WideCuts::WideCuts(const Scene& scene, const BvhTree& tree, const WideTreeSettings& settings)
-    : scene_(scene), tree_(tree), settings_(settings), cut_(tree.nodes.size()) {
+WideCuts::WideCuts(const Scene& scene, const BvhTree& tree, const WideTreeSettings& settings) : scene_(scene), tree_(tree), settings_(settings) {
+  cut_.resize_for_overwrite(tree.nodes.size());
   std::vector<Part> parts = find_parts();
   for_each_task(parts.size(), [&](std::size_t p) { list_subtrees(parts[p]); });
   std::int32_t prims = 0;
@@ -45,7 +45,7 @@ std::vector<WideCuts::Part> WideCuts::find_parts() {
       parts.push_back({item.node, {}, {}, 0, {}});
       continue;
     }
-    cut(item.node).is_top = true;
+    cut(item.node) = {.is_top = true};
     open.insert(open.end(), {{node.first + 1, item.depth + 1}, {node.first, item.depth + 1}});
   }
   return parts;
@@ -69,14 +69,15 @@ void WideCuts::cut_part(Part& part) {
   std::ranges::copy(part.order, order_.begin() + part.first_prim);
   std::int32_t end = part.first_prim + static_cast<std::int32_t>(part.order.size());
   std::vector<Subtree> closed;  // whose parents are still to come
+  closed.reserve(2 * kBalanceDepth);
   for (std::size_t i = part.preorder.size(); i-- > 0;) {
     const std::int32_t n = part.preorder[i];
     if (at(n).child_count == 0) {
-      cut(n).end_prim = end;
-      cut(n).first_prim = end -= at(n).prim_count;
-      closed.push_back(leaf(n));
-      set_cost(n, closed.back());
+      cut(n) = {.first_prim = end - at(n).prim_count, .end_prim = end};
+      end = cut(n).first_prim;
+      cut_leaf(n, closed.emplace_back());
     } else {
+      cut(n) = {};
       join(n, closed.back(), closed[closed.size() - 2]);
       closed.pop_back();
     }
@@ -86,23 +87,32 @@ void WideCuts::cut_part(Part& part) {
 
 WideCuts::Subtree WideCuts::cut_top(std::int32_t n, std::vector<Part>::const_iterator& next) {
   if (!is_top(n)) return (next++)->whole;
-  const Subtree left = cut_top(at(n).first, next);
+  Subtree left = cut_top(at(n).first, next);
   Subtree right = cut_top(at(n).first + 1, next);
   join(n, left, right);
   return right;
 }
 
-WideCuts::Subtree WideCuts::leaf(std::int32_t n) const {
-  Subtree subtree;
+void WideCuts::cut_leaf(std::int32_t n, Subtree& subtree) {
   std::ranges::fill(subtree.cost, kInf);
-  const auto refs = prims(n);
-  subtree.kind = refs[0].kind();
-  if (subtree.kind == PrimKind::triangle) subtree.vertices = SharedVertices(scene_.pools().triangles, refs);
-  return subtree;
+  subtree.kind = prims(n)[0].kind();
+  set_cost(n, subtree);
+}
+
+/// Whether both together, the subtrees of node n's children, fit a leaf; then `right` has the vertices of both.
+bool WideCuts::fits_leaf_with(Subtree& right, Subtree& left, std::int32_t n) const {
+  const auto count = prims(n).size();
+  if (!right.fits_leaf || !left.fits_leaf || left.kind != right.kind) return false;
+  if (right.kind != PrimKind::triangle) return count <= static_cast<std::size_t>(settings_.max_leaf_size);
+  if (count > TriangleBlock::kTriangles) return false;
+  const TrianglePool& pool = scene_.pools().triangles;
+  if (left.vertices.count() == 0) left.vertices = SharedVertices(pool, prims(at(n).first));
+  if (right.vertices.count() == 0) right.vertices = SharedVertices(pool, prims(at(n).first + 1));
+  return right.vertices.add(left.vertices);
 }
 
 /// Makes of its children's subtrees, in place of the right one, that of node n.
-void WideCuts::join(std::int32_t n, const Subtree& left, Subtree& right) {
+void WideCuts::join(std::int32_t n, Subtree& left, Subtree& right) {
   Cut& made = cut(n);
   made.first_prim = cut(at(n).first).first_prim;
   made.end_prim = cut(at(n).first + 1).end_prim;
@@ -122,9 +132,7 @@ void WideCuts::join(std::int32_t n, const Subtree& left, Subtree& right) {
   }
   made.left_roots_below = static_cast<std::uint8_t>(best_left);
   std::copy(cost + 1, cost + kWideChildren, right.cost + 1);
-  const std::int32_t count = made.end_prim - made.first_prim;
-  const std::int32_t most = right.kind == PrimKind::triangle ? TriangleBlock::kTriangles : settings_.max_leaf_size;
-  right.fits_leaf = right.fits_leaf && left.fits_leaf && left.kind == right.kind && count <= most && right.vertices.add(left.vertices);
+  right.fits_leaf = fits_leaf_with(right, left, n);
   set_cost(n, right);
 }
 

@@ -39,7 +39,7 @@ private:
     float cost[kWideChildren];  ///< of at most 1, 2, ... roots
     bool fits_leaf = true;
     PrimKind kind{};
-    SharedVertices vertices;  ///< where it fits a leaf of triangles
+    SharedVertices vertices;  ///< where it fits a leaf of triangles; none as long as nobody asked for those of a leaf
   };
   /// A subtree below the top.
   struct Part {
@@ -56,14 +56,15 @@ private:
   void list_subtrees(Part& part) const;
   void cut_part(Part& part);
   Subtree cut_top(std::int32_t n, std::vector<Part>::const_iterator& next);
-  [[nodiscard]] Subtree leaf(std::int32_t n) const;
-  void join(std::int32_t n, const Subtree& left, Subtree& right);
+  void cut_leaf(std::int32_t n, Subtree& subtree);
+  void join(std::int32_t n, Subtree& left, Subtree& right);
+  [[nodiscard]] bool fits_leaf_with(Subtree& right, Subtree& left, std::int32_t n) const;
   void set_cost(std::int32_t n, Subtree& subtree);
 
   const Scene& scene_;
   const BvhTree& tree_;
   const WideTreeSettings& settings_;
-  std::vector<Cut> cut_;
+  Column<Cut> cut_;
   std::vector<PrimRef> order_;
 };
 

@@ -61,13 +61,14 @@ Aabb tight_bounds(const Pools& pools, PrimRef ref) noexcept {
 }
 
 Aabb padded(const Aabb& box) noexcept {
-  const glm::dvec3 extent = glm::dvec3(box.max) - glm::dvec3(box.min);
-  const double largest_extent = std::max({extent.x, extent.y, extent.z});
-  Aabb out = box;
+  const double x = double{box.max.x} - double{box.min.x}, y = double{box.max.y} - double{box.min.y}, z = double{box.max.z} - double{box.min.z};
+  const double largest_extent = std::max(std::max(x, y), z);
+  Aabb out;
   for (glm::length_t a = 0; a < 3; ++a) {
-    const double padding = double{kBoundsPadding} * std::max({largest_extent, std::abs(double{box.min[a]}), std::abs(double{box.max[a]})});
-    out.min[a] = round_down(double{box.min[a]} - padding);
-    out.max[a] = round_up(double{box.max[a]} + padding);
+    const double low{box.min[a]}, high{box.max[a]};
+    const double padding = double{kBoundsPadding} * std::max(std::max(largest_extent, std::abs(low)), std::abs(high));
+    out.min[a] = round_down(low - padding);
+    out.max[a] = round_up(high + padding);
   }
   return out;
 }

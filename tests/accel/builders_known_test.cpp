@@ -124,7 +124,8 @@ TEST(Sbvh, CutsLongDiagonalTriangles) {
 BvhTree crossed_pairs(const Scene& scene) {
   BvhTree tree;
   const auto leaf = [&](std::int32_t id) { return BvhTree::Node{padded_bounds(scene.pools(), scene.prim(id)), id, 0, 1}; };
-  tree.nodes = {{{}, 1, 2, 0}, {{}, 3, 2, 0}, {{}, 5, 2, 0}, leaf(0), leaf(2), leaf(1), leaf(3)};
+  for (const std::int32_t first : {1, 3, 5}) tree.nodes.push_back({{}, first, 2, 0});
+  for (const std::int32_t id : {0, 2, 1, 3}) tree.nodes.push_back(leaf(id));
   for (std::int32_t n = 2; n >= 0; --n) {
     for (std::int32_t c = 0; c < 2; ++c) tree.node(n).box.grow(tree.node(tree.node(n).first + c).box);
   }
@@ -148,7 +149,8 @@ TEST(WithWidth, OpensTheLargestChildFirst) {
 
 TEST(WithWidth, GroupsTheChildrenOfWiderNodes) {
   const Scene scene = spheres_at({0, 10, 1, 11, 20});
-  BvhTree flat{{{{}, 1, 5, 0}}, {}};
+  BvhTree flat;
+  flat.nodes.push_back({{}, 1, 5, 0});
   for (std::int32_t id = 0; id < 5; ++id) {
     flat.nodes.push_back({padded_bounds(scene.pools(), scene.prim(id)), id, 0, 1});
     flat.nodes[0].box.grow(flat.nodes.back().box);

@@ -105,8 +105,10 @@ TEST(TreeQuality, ANodeCostsHalfATestForEachChild) {
   EXPECT_DOUBLE_EQ(quality(scene, wide).sah_cost.value(), 2 + 4 * 3.0 / 9);
   EXPECT_DOUBLE_EQ(tree_stats(wide).sah_cost.value(), 2 + 4 * 3.0 / 9);
   BvhTree binary = wide;  // two pairs
-  binary.nodes = {{wide.nodes[0].box, 1, 2, 0}, {{{0, 0, 0}, {2, 1, 1}}, 3, 2, 0}, {{{2, 0, 0}, {4, 1, 1}}, 5, 2, 0}};
-  binary.nodes.insert(binary.nodes.end(), wide.nodes.begin() + 1, wide.nodes.end());
+  binary.nodes.clear();
+  for (const BvhTree::Node& node : {BvhTree::Node{wide.nodes[0].box, 1, 2, 0}, {{{0, 0, 0}, {2, 1, 1}}, 3, 2, 0}, {{{2, 0, 0}, {4, 1, 1}}, 5, 2, 0}})
+    binary.nodes.push_back(node);
+  for (std::size_t n = 1; n < wide.nodes.size(); ++n) binary.nodes.push_back(wide.nodes[n]);
   EXPECT_DOUBLE_EQ(quality(scene, binary).sah_cost.value(), 1 + 2 * 5.0 / 9 + 4 * 3.0 / 9);
 }
 

@@ -92,9 +92,13 @@ TEST(BeamTraversal, SharesWorkAmongCoherentRays) {
   EXPECT_LT(3 * sixteen.executed(Event::volume_test), one.executed(Event::volume_test));
 }
 
-TEST(WideTree, HoldsEachPrimitiveOnceInsideItsBoxes) {
+class WideTreeOfLeaves : public testing::TestWithParam<LeafUse> {};
+INSTANTIATE_TEST_SUITE_P(Builder, WideTreeOfLeaves, testing::Values(LeafUse::as_they_are, LeafUse::for_blocks),
+                         [](const auto& tested) { return tested.param == LeafUse::for_blocks ? "ForBlocks" : "AsTheyAre"; });
+
+TEST_P(WideTreeOfLeaves, HoldsEachPrimitiveOnceInsideItsBoxes) {
   for (const Scene& scene : test::hard_scenes()) {
-    const WideTree tree = collapse_wide(scene, build_binned_sah(scene, {}, 2), {}, 2);
+    const WideTree tree = collapse_wide(scene, build_binned_sah(scene, {}, 2, GetParam()), {}, 2);
     std::multiset<std::int32_t> held;
     const Pools pools = reordered(scene.pools(), tree.order);
     for (const WideNode& node : tree.nodes) {
@@ -178,14 +182,14 @@ TEST(WideTree, OrdersPlacesForEveryOctant) {
   for (int i = 0; i < kWideChildren; ++i) EXPECT_EQ(root.order[0] >> 4 * i & 15, root.order[7] >> 4 * (kWideChildren - 1 - i) & 15);
 }
 
-TEST(WideTree, HasTheSameBytesOnAnyNumberOfThreads) {
+TEST_P(WideTreeOfLeaves, HasTheSameBytesOnAnyNumberOfThreads) {
   const auto same_bytes = [](const auto& a, const auto& b) { return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0; };
   std::vector<Scene> scenes = test::hard_scenes();
   scenes.push_back(hills(100, 1, {0, 0, 0}));  // large enough to have a top
   for (const Scene& scene : scenes) {
-    const WideTree one = collapse_wide(scene, build_binned_sah(scene, {}, 1), {}, 1);
+    const WideTree one = collapse_wide(scene, build_binned_sah(scene, {}, 1, GetParam()), {}, 1);
     for (const int threads : {2, 7}) {
-      const WideTree many = collapse_wide(scene, build_binned_sah(scene, {}, threads), {}, threads);
+      const WideTree many = collapse_wide(scene, build_binned_sah(scene, {}, threads, GetParam()), {}, threads);
       EXPECT_TRUE(same_bytes(many.nodes, one.nodes) && same_bytes(many.blocks, one.blocks) && same_bytes(many.runs, one.runs)) << scene.name;
       EXPECT_TRUE(std::ranges::equal(many.order, one.order)) << scene.name;
       EXPECT_EQ(many.stats.sah_cost, one.stats.sah_cost);
@@ -195,14 +199,24 @@ TEST(WideTree, HasTheSameBytesOnAnyNumberOfThreads) {
   }
 }
 
-TEST(WideTree, FillsItsBlocks) {
+TEST_P(WideTreeOfLeaves, FillsItsBlocks) {
   const Scene scene = hills(100, 1, {0, 0, 0});
-  const WideTree tree = collapse_wide(scene, build_binned_sah(scene, {}, 2), {}, 2);
+  const WideTree tree = collapse_wide(scene, build_binned_sah(scene, {}, 2, GetParam()), {}, 2);
   std::int64_t triangles = 0;
   for (const TriangleBlock& block : tree.blocks) triangles += block.count;
   EXPECT_EQ(triangles, 20000);
   // A quad of two triangles takes four vertices, six quads in a row or block twelve to fourteen: sharing is what lets eight and more triangles in.
   EXPECT_GT(triangles, 7 * static_cast<std::int64_t>(tree.blocks.size()));
+}
+
+/// What is left undivided costs the wide tree next to nothing: rays would meet as much as in one made of all leaves.
+TEST(WideTree, LosesLittleByLeavesForBlocks) {
+  for (const Scene& scene : {hills(100, 1, {0, 0, 0}), test::icosphere(5)}) {
+    const WideTree all = collapse_wide(scene, build_binned_sah(scene, {}, 2), {}, 2);
+    const BvhTree binary = build_binned_sah(scene, {}, 2, LeafUse::for_blocks);
+    EXPECT_LT(2 * binary.nodes.size(), build_binned_sah(scene, {}, 2).nodes.size());
+    EXPECT_LT(*collapse_wide(scene, binary, {}, 2).stats.sah_cost, 1.01 * *all.stats.sah_cost);
+  }
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
+#include "core/bounds/outward_rounding.h"
 #include "experiments/scenes/generators.h"
 #include "tests/support/exact_volumes.h"
 #include "tests/support/expect_error.h"
@@ -25,6 +26,24 @@ using test::holds;
 using test::operator+;
 using test::Random;
 using test::surface_point;
+
+TEST(OutwardRounding, GivesTheNextFloatOnItsSide) {
+  constexpr float kInf = std::numeric_limits<float>::infinity(), kLeast = std::numeric_limits<float>::denorm_min();
+  const auto expect_next = [](double x) {
+    const float down = round_down(x), up = round_up(x);
+    EXPECT_TRUE(double{down} <= x && x <= double{up}) << x;
+    EXPECT_TRUE(double{down} == x ? up == down : up == std::nextafterf(down, kInf)) << x;
+  };
+  for (const double x : {0.0, -0.0, 1.0, 1 + 0x1p-40, 1 - 0x1p-40, 1e-50, 0x1p-149, 0x1.8p-149, 0x1p-126 + 0x1p-170, 0x1.fffffefp127, 1e300}) {
+    expect_next(x);
+    expect_next(-x);
+  }
+  EXPECT_EQ(round_up(1e-50), kLeast);
+  EXPECT_EQ(round_down(-1e-50), -kLeast);
+  EXPECT_EQ(round_down(1e300), std::numeric_limits<float>::max());
+  Random random(7);
+  for (int i = 0; i < 100'000; ++i) expect_next(std::ldexp(random.uniform() - 0.5, static_cast<int>(280 * random.uniform()) - 150));
+}
 
 std::vector<PrimRef> prims_of(const Scene& scene) {
   std::vector<PrimRef> prims;
