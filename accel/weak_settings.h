@@ -6,8 +6,8 @@
 
 namespace raymeter {
 
-/// The parameters whose defaults are the robust tests; any other value gives up right answers for speed (core/geometry/weak_tests.h).
-inline constexpr std::string_view kTestParams[] = {"box_test", "triangle_test", "sphere_test"};
+/// The parameters whose defaults give right answers and other values give them up for speed: tests (core/geometry/weak_tests.h), how much of a list is tested.
+inline constexpr std::string_view kTestParams[] = {"box_test", "triangle_test", "sphere_test", "most_candidates"};
 
 /// Whether a setting's answers are listed rather than held to ours, bit for bit: those of a peer from outside, or of weak tests.
 [[nodiscard]] inline bool answers_for_itself(const StructureEntry& entry, const ParamValues& values) {

@@ -96,6 +96,7 @@ private:
   const ClassifiedScene& scene_;
   int leaf_size_;
   int min_rays_;
+  std::int32_t most_candidates_;  ///< that serve rays (weak where lists hold more)
   std::size_t budget_;
   std::deque<Cell> cells_;  ///< places, some of them free
   std::vector<std::int32_t> free_;

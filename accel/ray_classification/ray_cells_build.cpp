@@ -189,7 +189,7 @@ void RayCells::publish(const RayOrder& rays) {
   served_.resize(leaves_.size());
   tbb::parallel_for(std::size_t{0}, leaves_.size(), [&](std::size_t i) {
     const Cell& cell = at(leaves_[i].cell);
-    served_[i] = {cell.list.get(), cell.count, cell.address.ray_class};
+    served_[i] = {cell.list.get(), std::min(cell.count, most_candidates_), cell.address.ray_class};
     std::fill(cell_of_rays_.data() + leaves_[i].begin, cell_of_rays_.data() + leaves_[i].end, static_cast<std::int32_t>(i));
   });
   const auto prim_count = static_cast<std::int32_t>(scene_.prims.size());

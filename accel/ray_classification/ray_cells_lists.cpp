@@ -1,6 +1,7 @@
 // RayCells: what cells list, and what is kept.
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "accel/ray_classification/ray_cells.h"
@@ -29,7 +30,11 @@ ClassifiedScene::ClassifiedScene(const Scene& scene, const RayClassificationPara
 std::size_t ClassifiedScene::mem_bytes() const noexcept { return prims.capacity() * sizeof(PrimRef) + boxes.capacity() * sizeof(Aabb) + space.mem_bytes(); }
 
 RayCells::RayCells(const ClassifiedScene& scene, const RayClassificationParams& params)
-    : scene_(scene), leaf_size_(params.leaf_size), min_rays_(params.min_rays), budget_(static_cast<std::size_t>(params.memory_mb * 0x1p20)) {
+    : scene_(scene),
+      leaf_size_(params.leaf_size),
+      min_rays_(params.min_rays),
+      most_candidates_(params.most_candidates > 0 ? params.most_candidates : std::numeric_limits<std::int32_t>::max()),
+      budget_(static_cast<std::size_t>(params.memory_mb * 0x1p20)) {
   class_cell_.fill(-1);
 }
 

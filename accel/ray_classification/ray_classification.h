@@ -14,6 +14,7 @@ struct RayClassificationParams {
   int direction_bits = 10;
   int min_rays = 16;
   bool beams = false;
+  int most_candidates = 0;
   double memory_mb = 256;
 
   static auto fields() {
@@ -30,6 +31,13 @@ struct RayClassificationParams {
               "packets test of long lists only what their own beams meet, which are thinner than cells",
               0,
               0,
+              {},
+              ParamUse::query},
+        Field{"most_candidates",
+              &RayClassificationParams::most_candidates,
+              "candidates of a cell that its rays are tested against, those that begin first; 0: all; fewer: hits on the others are lost",
+              0,
+              1 << 20,
               {},
               ParamUse::query},
         Field{"memory_mb", &RayClassificationParams::memory_mb, "megabytes (2^20) for the cells of one set of queries", 1.0 / 16, 1 << 20, {}, ParamUse::query},

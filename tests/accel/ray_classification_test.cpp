@@ -9,6 +9,7 @@
 
 #include "accel/ray_classification/ray_classification.h"
 #include "accel/ray_classification/ray_space.h"
+#include "accel/weak_settings.h"
 #include "experiments/scenes/scene_source.h"
 #include "tests/support/random.h"
 #include "tests/support/test_rays.h"
@@ -143,6 +144,31 @@ TEST(RayClassification, BudgetsChangeCountsAndNoAnswer) {
     EXPECT_LT(traced.closest.live(Event::prim_test), before) << budget;
     before = traced.closest.live(Event::prim_test);
   }
+}
+
+/// A cap may lose the nearest hit, and then finds another one further away or none; it invents none.
+TEST(RayClassification, CappedListsLoseHitsAndSaveTests) {
+  const StructureEntry& entry = structure_entry("ray_classification");
+  EXPECT_TRUE(answers_for_itself(entry, parse_technique("ray_classification:most_candidates=8").params));
+  EXPECT_FALSE(answers_for_itself(entry, parse_technique("ray_classification:most_candidates=0").params));
+  const Scene scene = load_scene("gen:terrain:2000");
+  const test::Reference reference(scene, best_isa());
+  const auto traced_with = [&](const char* cap) {
+    const TechniqueSpec spec = parse_technique(std::string("ray_classification:most_candidates=") + cap);
+    const auto structure = spec.structure->build(scene, spec.params, 1);
+    return test::trace(*structure, {best_isa(), 16, spec.params}, reference.rays);
+  };
+  const test::Traced all = traced_with("0"), enough = traced_with("2000"), few = traced_with("4");
+  test::expect_same_hits(all.hits, reference.list.hits, reference.rays);
+  test::expect_same_hits(enough.hits, reference.list.hits, reference.rays);
+  EXPECT_EQ(enough.closest.live(Event::prim_test), all.closest.live(Event::prim_test));
+  EXPECT_LT(few.closest.live(Event::prim_test), all.closest.live(Event::prim_test));
+  std::size_t lost = 0;
+  for (std::size_t i = 0; i < reference.rays.size(); ++i) {
+    EXPECT_GE(few.hits.t[i], all.hits.t[i]) << i;
+    lost += few.hits.prim[i] != all.hits.prim[i] ? 1 : 0;
+  }
+  EXPECT_GT(lost, 0u);
 }
 
 TEST(RayClassification, TooSmallABudgetIsAnErrorThatNamesTheLeast) {
