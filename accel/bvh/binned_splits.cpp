@@ -4,9 +4,12 @@
 #include <bit>
 #include <tuple>
 
+#include "accel/bvh/binning_kernel.h"
+#include "accel/kernel_set.h"
+
 namespace raymeter {
 
-Bins::Bins(int bins) noexcept {
+void Bins::clear(int bins) noexcept {
   for (int a = 0; a < 3; ++a) {
     std::fill_n(box[a], bins, kEmptyBox4);
     std::fill_n(entering[a], bins, 0);
@@ -67,24 +70,16 @@ NodeBounds bounds_of(std::span<const BinnedBox> boxes) {
 }
 
 void bin_centers(std::span<const BinnedBox> boxes, const BinMapping& mapping, Bins& bins) {
+  static const auto bin = for_isa(best_isa(), []<Isa I>() { return BinningKernel<I>::bin; });
+  if (boxes.size() < kParallelBoxes) return bin(boxes.data(), boxes.size(), mapping, bins);
+  bins.clear(mapping.bins);
   over_parts(
-      boxes, bins,
-      [&](Bins& sum, std::span<const BinnedBox> part) {
-        for (const BinnedBox& one : part) {
-          const auto bin = mapping.bins_of(one);
-          for (int a = 0; a < 3; ++a) {
-            const int b = bin[a];
-            grow(sum.box[a][b], one.box);
-            ++sum.entering[a][b];
-          }
-        }
-      },
+      boxes, bins, [&](Bins& sum, std::span<const BinnedBox> part) { bin(part.data(), part.size(), mapping, sum); },
       [&](Bins& sum, const Bins& part) { sum.add(part, mapping.bins); });
-  for (int a = 0; a < 3; ++a) std::copy_n(bins.entering[a], mapping.bins, bins.leaving[a]);
 }
 
 CenterSplit split_by_centers(std::span<const BinnedBox> boxes, const BinMapping& mapping) {
-  Bins bins(mapping.bins);
+  Bins bins;
   bin_centers(boxes, mapping, bins);
   CenterSplit split{cheapest(bins, mapping.bins), {}, {}};
   if (split.axis >= 0) std::tie(split.left, split.right) = sides(bins, mapping.bins, split);

@@ -107,7 +107,8 @@ private:
   /// The best split by a plane, or nothing where it costs `most` or more, or has used up the budget without gaining: that cannot go on for ever.
   [[nodiscard]] Sides best_planes(const Item& item, float most) const {
     const SpatialMapping mapping(item.bounds.box, bin_count(std::min(sah_.bins, kPlaneBins), item.references.size()));
-    Bins bins(mapping.bins);
+    Bins bins;
+    bins.clear(mapping.bins);
     bin_parts(scene_, item.references, mapping, bins);
     const BinnedSplit split = cheapest(bins, mapping.bins);
     if (!(split.cost < most)) return {};

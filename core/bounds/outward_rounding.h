@@ -9,23 +9,24 @@ namespace raymeter {
 
 namespace outward_rounding {
 
-/// The float next to f, away from zero or, where `away` is -1, towards it; `step` 0: f itself.
-[[nodiscard]] inline float stepped(float f, std::int32_t step) noexcept { return std::bit_cast<float>(std::bit_cast<std::int32_t>(f) + step); }
-/// 1 for positive numbers, -1 for negative ones: the bits of these count away from zero.
-[[nodiscard]] inline std::int32_t upwards(float f) noexcept { return std::bit_cast<std::int32_t>(f) >> 31 | 1; }
+/// The bits of a number, and what is to be added for the next larger one: those of negative numbers count away from zero.
+[[nodiscard]] inline std::int32_t bits(float f) noexcept { return std::bit_cast<std::int32_t>(f); }
+[[nodiscard]] inline std::int32_t upwards(float f) noexcept { return bits(f) >> 31 | 1; }
 
 }  // namespace outward_rounding
 
 /// The largest float not above x.
 [[nodiscard]] inline float round_down(double x) noexcept {
   const auto f = static_cast<float>(x);
-  return outward_rounding::stepped(f, static_cast<double>(f) > x ? -outward_rounding::upwards(f) : 0);
+  const auto too_large = -static_cast<std::int32_t>(static_cast<double>(f) > x);
+  return std::bit_cast<float>(outward_rounding::bits(f) - (outward_rounding::upwards(f) & too_large));
 }
 
 /// The smallest float not below x.
 [[nodiscard]] inline float round_up(double x) noexcept {
   const auto f = static_cast<float>(x);
-  return outward_rounding::stepped(f, static_cast<double>(f) < x ? outward_rounding::upwards(f) : 0);
+  const auto too_small = -static_cast<std::int32_t>(static_cast<double>(f) < x);
+  return std::bit_cast<float>(outward_rounding::bits(f) + (outward_rounding::upwards(f) & too_small));
 }
 
 }  // namespace raymeter
