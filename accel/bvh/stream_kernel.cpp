@@ -11,6 +11,7 @@
 #include "accel/bvh/stream_sphere_kernel.h"
 #include "accel/bvh/stream_stack_kernel.h"
 #include "core/geometry/run_kernel.h"
+#include "core/simd/select_kernel.h"
 #include "core/stats/policy.h"
 
 namespace raymeter {
@@ -51,8 +52,8 @@ void test_block_of_group(const TriangleBlock& block, std::uint64_t rays, StreamG
     if constexpr (Q == Query::any) {
       const std::uint32_t blockers = blockers_of_block<L>(ray, axes, block, triangles, stats);
       const int some = __builtin_ctz(blockers | 1u << (TriangleBlock::kTriangles - 1));
-      group.prim[i] = blockers != 0 ? block.prim[some] : group.prim[i];
-      blocked |= blockers != 0 ? rays & -rays : 0;
+      group.prim[i] = select_unforeseen(blockers != 0, block.prim[some], group.prim[i]);
+      blocked |= select_unforeseen(blockers != 0, rays & -rays, std::uint64_t{0});
     } else {
       RayHit hit{-ray.interval[1], group.prim[i], 0, 0};
       if (!nearest_of_block<L>(ray, axes, block, triangles, hit, stats)) continue;
@@ -176,7 +177,7 @@ void store_group(const TraceArgs& args, const std::int32_t* source, const float*
     const std::int32_t to = source[i];
     const bool missed = group.prim[i] == kNoPrim;
     if constexpr (Q == Query::any) {
-      args.blocker[to] = missed ? -1 : group.prim[i];
+      args.blocker[to] = select_unforeseen(missed, -1, group.prim[i]);
     } else {
       args.hits.t[to] = missed ? kInfinity : -group.ray[i].interval[1] * t_unit[i];
       args.hits.prim[to] = missed ? -1 : group.prim[i];

@@ -26,6 +26,12 @@ struct RayBits {
 }
 inline constexpr RayBits kRayBits = ray_bits();
 
+/// The children's planes across an axis that rays of an octant meet first; those of the opposite octant they meet last. Turns go from octant to octant, so that
+/// nothing branches on it.
+[[nodiscard, gnu::always_inline]] inline const float* first_planes(const WideNode& node, std::uint32_t octant, int axis) noexcept {
+  return node.plane[axis + 3 * static_cast<int>(octant >> axis & 1)];
+}
+
 /// The planes that rays of an octant meet first and last, in registers.
 template <class L>
 struct NodePlanes {
@@ -37,9 +43,8 @@ struct NodePlanes {
   NodePlanes(const WideNode& node, std::uint32_t octant) noexcept {
     for (int r = 0; r < kRegisters; ++r) {
       for (int a = 0; a < 3; ++a) {
-        const int swapped = (octant >> a & 1) != 0 ? 3 : 0;
-        first[r][a] = L::load(node.plane[a + swapped] + r * L::kWidth);
-        last[r][a] = L::load(node.plane[a + 3 - swapped] + r * L::kWidth);
+        first[r][a] = L::load(first_planes(node, octant, a) + r * L::kWidth);
+        last[r][a] = L::load(first_planes(node, ~octant, a) + r * L::kWidth);
       }
     }
   }
@@ -111,10 +116,7 @@ template <>
   using Shuffles = LaneShuffles<Isa::avx512>;
   using Float = L::Float;
   Float plane[3];
-  for (int a = 0; a < 3; ++a) {
-    const int swapped = (octant >> a & 1) != 0 ? 3 : 0;
-    plane[a] = Shuffles::interleave(node.plane[a + swapped], node.plane[a + 3 - swapped]);
-  }
+  for (int a = 0; a < 3; ++a) plane[a] = Shuffles::interleave(first_planes(node, octant, a), first_planes(node, ~octant, a));
   __m512i met = _mm512_setzero_si512();
   for (; wanted != 0; wanted &= wanted - 1) {
     const StreamRay& one = ray[__builtin_ctzll(wanted)];

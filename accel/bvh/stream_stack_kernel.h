@@ -3,6 +3,7 @@
 // The traversal stack of a group: children and the rays that want them.
 
 #include "accel/bvh/stream_node_kernel.h"
+#include "core/simd/select_kernel.h"
 
 namespace raymeter {
 
@@ -68,17 +69,20 @@ template <>
 
 /// Asks for what a child is, so that it comes from memory while other groups take their turns.
 [[gnu::always_inline]] inline void prefetch_child(const WideBvhView& bvh, WideRef child) noexcept {
-  if (child.tag() == WideRef::Tag::run) {
-    const PrimitiveRun run = bvh.runs[child.index()];
-    if (run.kind() != PrimKind::sphere) return;
-    for (int a = 0; a < 3; ++a) __builtin_prefetch(bvh.pools.spheres.center[a] + run.first);
-    __builtin_prefetch(bvh.pools.spheres.radius + run.first);
-    __builtin_prefetch(bvh.pools.spheres.prim + run.first);
+  static_assert(sizeof(WideNode) == sizeof(TriangleBlock));
+  const auto* const nodes = reinterpret_cast<const char*>(bvh.nodes);
+  const auto* const blocks = reinterpret_cast<const char*>(bvh.blocks);
+  const char* const target = select_unforeseen(child.tag() == WideRef::Tag::inner, nodes, blocks) + sizeof(WideNode) * child.index();
+  const SphereView& spheres = bvh.pools.spheres;
+  if (spheres.prim == nullptr || child.tag() != WideRef::Tag::run) {
+    for (int line = 0; line < 4; ++line) __builtin_prefetch(target + 64 * line);
     return;
   }
-  const auto* const target =
-      child.tag() == WideRef::Tag::inner ? reinterpret_cast<const char*>(bvh.nodes + child.index()) : reinterpret_cast<const char*>(bvh.blocks + child.index());
-  for (int line = 0; line < 4; ++line) __builtin_prefetch(target + 64 * line);
+  const PrimitiveRun run = bvh.runs[child.index()];
+  if (run.kind() != PrimKind::sphere) return;
+  for (int a = 0; a < 3; ++a) __builtin_prefetch(spheres.center[a] + run.first);
+  __builtin_prefetch(spheres.radius + run.first);
+  __builtin_prefetch(spheres.prim + run.first);
 }
 
 }  // namespace raymeter
