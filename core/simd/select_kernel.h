@@ -5,7 +5,7 @@
 
 namespace raymeter {
 
-/// `first ? a : b` without a branch that a compiler might make of it: for conditions that nothing foresees, where a branch would be taken wrongly half of the time.
+/// `first ? a : b` without a branch that a compiler might make of it: for conditions that nothing foresees.
 template <class T>
 requires std::is_integral_v<T>
 [[nodiscard, gnu::always_inline]] inline T select_unforeseen(bool first, T a, T b) noexcept {
