@@ -18,7 +18,7 @@ public:
 
   /// bounds[i] belongs to links[i].
   VolumeLinks(const V& volume, std::span<const VolumeLink> links, std::span<const typename V::Bound> bounds, std::vector<PrimitiveRun> runs)
-      : runs_(std::move(runs)), shared_(volume.shared()), link_bytes_(volume_link_bytes(volume.floats())) {
+      : runs_(std::move(runs)), shared_(volume.shared(bounds)), link_bytes_(volume_link_bytes(volume.floats())) {
     const auto stride = static_cast<std::size_t>(link_bytes_);
     links_.resize(links.size() * stride);
     std::vector<float> data(static_cast<std::size_t>(volume.floats()));

@@ -24,8 +24,9 @@ template <BoxTest B>
 std::unique_ptr<Intersector> with_box_test(const BvhView<AabbLayout>& bvh, const BvhParams& params, const QueryOptions& options, std::size_t scratch_bytes) {
   using Layout = WeakBoxLayout<B>;
   static_assert(Layout::kFloats == AabbLayout::kFloats);
-  const BvhView<Layout> view{
-      {bvh.links, bvh.runs, bvh.pools, {triangle_test(params), sphere_test(params)}, bvh.runtime_link_bytes}, bvh.stack_capacity, bvh.heap_capacity};
+  const BvhView<Layout> view{{bvh.links, bvh.runs, bvh.pools, {bvh.shared, triangle_test(params), sphere_test(params)}, bvh.runtime_link_bytes},
+                             bvh.stack_capacity,
+                             bvh.heap_capacity};
   const auto& kernels = kernels_for<BvhPacket<Layout>::template Kernel, BvhView<Layout>>(options.isa);
   return std::make_unique<KernelIntersector<BvhView<Layout>>>(view, kernels, options.packet, scratch_bytes);
 }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/bounds/aabb.h"
 #include "core/bounds/bounding_volume.h"
 
@@ -34,7 +37,14 @@ struct AabbVolume {
   }
 
   [[nodiscard]] std::int32_t floats() const noexcept { return Layout::kFloats; }
-  [[nodiscard]] Layout::Shared shared() const noexcept { return {}; }
+  [[nodiscard]] Layout::Shared shared(std::span<const Aabb> boxes) const noexcept {
+    float reach = 0;
+    for (const Aabb& box : boxes) {
+      if (box.empty()) continue;
+      for (glm::length_t a = 0; a < 3; ++a) reach = std::max({reach, std::abs(box.min[a]), std::abs(box.max[a])});
+    }
+    return {reach};
+  }
   void write(const Aabb& box, float* data) const noexcept {
     for (glm::length_t a = 0; a < 3; ++a) {
       data[a] = box.min[a];

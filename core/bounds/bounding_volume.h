@@ -18,10 +18,11 @@ namespace raymeter {
 /// half_area(a)         half of its surface area: in proportion to the number of random lines that meet it.
 /// enclosed(a)          the volume inside it.
 /// kMergeIsTight        merging single fits is as tight as fitting all at once.
-/// Layout, write, ...   what kernels read: write(a, data) fills floats() numbers, shared() is what all volumes have in common (volume_layout.h).
+/// Layout, write, ...   what kernels read: write(a, data) fills floats() numbers, shared(bounds) is what all volumes of a structure have in common
+///                      (volume_layout.h).
 template <class V>
 concept BoundingVolume = requires(const V& volume, const Scene& scene, PrimRef prim, std::span<const PrimRef> prims, const typename V::Bound& bound,
-                                  float* data) {
+                                  std::span<const typename V::Bound> bounds, float* data) {
   { volume.fit(scene, prim) } -> std::same_as<typename V::Bound>;
   { volume.fit(scene, prims) } -> std::same_as<typename V::Bound>;
   { volume.merge(bound, bound) } -> std::same_as<typename V::Bound>;
@@ -29,7 +30,7 @@ concept BoundingVolume = requires(const V& volume, const Scene& scene, PrimRef p
   { volume.enclosed(bound) } -> std::same_as<double>;
   { V::kMergeIsTight } -> std::convertible_to<bool>;
   { volume.floats() } -> std::same_as<std::int32_t>;
-  { volume.shared() } -> std::same_as<typename V::Layout::Shared>;
+  { volume.shared(bounds) } -> std::same_as<typename V::Layout::Shared>;
   volume.write(bound, data);
 };
 

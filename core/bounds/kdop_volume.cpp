@@ -114,7 +114,7 @@ Kdop KdopVolume::merge(const Kdop& a, const Kdop& b) const noexcept {
   return both;
 }
 
-KdopLayout::Shared KdopVolume::shared() const noexcept {
+KdopLayout::Shared KdopVolume::shared(std::span<const Kdop>) const noexcept {
   KdopLayout::Shared slabs{};
   slabs.count = static_cast<std::int32_t>(directions_.size());
   for (std::size_t i = 0; i < directions_.size(); ++i) {

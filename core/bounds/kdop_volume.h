@@ -40,7 +40,7 @@ public:
   [[nodiscard]] double enclosed(const Kdop& kdop) const noexcept { return polytope_.measure(kdop.min, kdop.max).enclosed; }
 
   [[nodiscard]] std::int32_t floats() const noexcept { return 2 * static_cast<std::int32_t>(directions_.size()); }
-  [[nodiscard]] Layout::Shared shared() const noexcept;
+  [[nodiscard]] Layout::Shared shared(std::span<const Kdop>) const noexcept;
   void write(const Kdop& kdop, float* data) const noexcept;
 
   [[nodiscard]] std::span<const glm::vec3> directions() const noexcept { return directions_; }

@@ -36,7 +36,7 @@ struct ObbVolume {
   [[nodiscard]] double enclosed(const Obb& box) const noexcept;
 
   [[nodiscard]] std::int32_t floats() const noexcept { return Layout::kFloats; }
-  [[nodiscard]] Layout::Shared shared() const noexcept { return {}; }
+  [[nodiscard]] Layout::Shared shared(std::span<const Obb>) const noexcept { return {}; }
   void write(const Obb& box, float* data) const noexcept;
 };
 static_assert(BoundingVolume<ObbVolume>);

@@ -26,7 +26,7 @@ struct SphereVolume {
   [[nodiscard]] double enclosed(const BoundingSphere& sphere) const noexcept;
 
   [[nodiscard]] std::int32_t floats() const noexcept { return Layout::kFloats; }
-  [[nodiscard]] Layout::Shared shared() const noexcept { return {}; }
+  [[nodiscard]] Layout::Shared shared(std::span<const BoundingSphere>) const noexcept { return {}; }
   void write(const BoundingSphere& sphere, float* data) const noexcept;
 };
 static_assert(BoundingVolume<SphereVolume>);

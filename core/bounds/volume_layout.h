@@ -9,7 +9,9 @@ namespace raymeter {
 /// min x y z, max x y z.
 struct AabbLayout {
   static constexpr std::int32_t kFloats = 6;
-  struct Shared {};
+  struct Shared {
+    float reach;  ///< the largest |coordinate| of a box
+  };
 };
 
 /// centre, radius.

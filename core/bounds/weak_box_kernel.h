@@ -1,6 +1,6 @@
 #pragma once
 
-// Box tests without the guards of slab_kernel.h, for the same boxes in the same memory. What is shared says which primitive tests go with them.
+// Box tests without the guards of aabb_kernel.h, for the same boxes in the same memory. What is shared says which primitive tests go with them.
 //   padded    the robust one
 //   unpadded  (b - o) / d as it is rounded
 //   fma       b / d - o / d in one fused operation, padded: NaN and infinities appear where a direction is 0, and o / d cancels far from the origin
@@ -13,9 +13,11 @@ namespace raymeter {
 template <BoxTest B, class L>
 struct VolumeRays<WeakBoxLayout<B>, L> {
   static constexpr bool kSigned = true;
-  typename L::Float org_in_slabs[3];
+  VolumeRays<AabbLayout, L> robust;   // padded
+  typename L::Float org_in_slabs[3];  // fma
 
-  void prepare(const typename WeakBoxLayout<B>::Shared&, const RayPacket<L>& ray) noexcept {
+  void prepare(const typename WeakBoxLayout<B>::Shared& shared, const RayPacket<L>& ray) noexcept {
+    if constexpr (B == BoxTest::padded) robust.prepare(shared.boxes, ray);
     if constexpr (B == BoxTest::fma) {
       for (int a = 0; a < 3; ++a) org_in_slabs[a] = -ray.org[a] * ray.inv_dir[a];
     }
@@ -29,7 +31,7 @@ struct VolumeTest<WeakBoxLayout<B>, L, kUniform> {
 
   [[gnu::always_inline]] VolumeTest(const typename WeakBoxLayout<B>::Shared&, const float* data, std::int32_t octant) noexcept : planes(data, octant) {}
   [[nodiscard]] [[gnu::always_inline]] SlabInterval<L> line(const RayPacket<L>& ray, const VolumeRays<WeakBoxLayout<B>, L>& rays) const noexcept {
-    if constexpr (B == BoxTest::padded) return line_in_box(ray, planes);
+    if constexpr (B == BoxTest::padded) return rays.robust.line(ray, planes);
     Float t_near(-kInfinity), t_far(kInfinity);
     for (int a = 0; a < 3; ++a) {
       const Float near_plane = kUniform ? planes.first[a] : L::select(ray.negative[a], planes.last[a], planes.first[a]);

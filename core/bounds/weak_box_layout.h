@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "core/bounds/volume_layout.h"
 #include "core/geometry/weak_tests.h"
 
 namespace raymeter {
@@ -13,6 +14,7 @@ template <BoxTest B>
 struct WeakBoxLayout {
   static constexpr std::int32_t kFloats = 6;
   struct Shared {
+    AabbLayout::Shared boxes;
     TriangleTest triangle;
     SphereTest sphere;
   };

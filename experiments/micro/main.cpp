@@ -113,7 +113,7 @@ Targets bounded(const V& volume) {
 Targets bounded_by_slabs(int k) {
   Targets targets(add_tilted);
   const KdopVolume volume(targets.scene, k);
-  targets.slabs = volume.shared();
+  targets.slabs = volume.shared({});
   add_volumes(targets, volume);
   return targets;
 }

@@ -106,7 +106,12 @@ MicroSums test_volumes(const MicroTargets& targets, const RayView& rays, const t
 
 template <Isa I>
 MicroSums MicroKernel<I>::bounding_boxes(const MicroTargets& targets, const RayView& rays) noexcept {
-  return test_volumes<Lanes<I>, AabbLayout>(targets, rays, {});
+  float reach = 0;
+  for (std::int32_t i = 0; i < targets.count * AabbLayout::kFloats; ++i) {
+    const float size = __builtin_fabsf(targets.volumes[i]);
+    if (size > reach && size <= kLargest) reach = size;
+  }
+  return test_volumes<Lanes<I>, AabbLayout>(targets, rays, {reach});
 }
 
 template <Isa I>

@@ -98,7 +98,7 @@ Target bounding_slabs(const dvec3& place, Random& random) {
   const KdopVolume volume(scene, kSizes[random.below(kSizes.size())]);
   const std::array prims{scene.prim(0), scene.prim(1), scene.prim(2)};
   const Kdop kdop = volume.fit(scene, prims);
-  Target target{std::vector<float>(static_cast<std::size_t>(volume.floats())), {}, volume.shared(), size, at};
+  Target target{std::vector<float>(static_cast<std::size_t>(volume.floats())), {}, volume.shared({}), size, at};
   volume.write(kdop, target.data.data());
   for (std::size_t i = 0; i < volume.directions().size(); ++i) {
     Slab slab{{}, {}, kdop.min[i], kdop.max[i]};
@@ -134,6 +134,8 @@ Ray aimed(const dvec3& at, double size, Random& random) {
   if (dir != dvec3(0)) dir = glm::normalize(dir);
   if (random.below(4) == 0) dir[static_cast<glm::length_t>(random.below(3))] = random.below(2) == 0 ? 0.0 : -0.0;  // along planes
   if (dir == dvec3(0)) dir.x = 1;
+  const auto axis = static_cast<glm::length_t>(random.below(3));
+  if (random.below(4) == 0 && std::abs(dir[axis]) < 0.9 * glm::length(dir)) dir[axis] *= std::exp2(-random.uniform(10, 140));  // all but along planes
   return test::make_ray(org, dir);
 }
 
@@ -205,6 +207,32 @@ TEST(VolumeKernels, SpheresMissNoRay) {
       trace(target, rays, &Kernels::spheres, count);
     }
     expect_all_met(count);
+  }
+}
+
+/// Origins of any magnitude, directions along an axis and others all but 0: what a plane times a reciprocal may not overflow on.
+TEST(VolumeKernels, BoxesMissNoRayFromAnywhere) {
+  Random random(13);
+  Count count;
+  for (int volume = 0; volume < 5000; ++volume) {
+    const Target target = box(random.below(2) == 0 ? dvec3(0) : kPlaces[1], random);
+    RayBatch rays;
+    for (int k = 0; k < 40; ++k) {
+      dvec3 org = edge_point(target, random), dir(0);
+      const auto axis = static_cast<glm::length_t>(random.below(3));
+      dir[axis] = random.below(2) == 0 ? 1 : -1;
+      org[axis] -= dir[axis] * std::exp2(random.uniform(-20, 126));
+      for (glm::length_t a = 0; a < 3; ++a) {
+        if (a != axis && random.below(2) == 0) dir[a] = (random.below(2) == 0 ? 1 : -1) * std::exp2(-random.uniform(30, 150));
+      }
+      const Ray ray = test::make_ray(org, dir);
+      if (test::truly_meets(ray, target.slabs)) rays.push_back(ray);
+    }
+    trace(target, rays, &Kernels::boxes, count);
+  }
+  EXPECT_GE(count.rays, 20'000);
+  for (std::size_t k = 0; k < kKernels.size(); ++k) {
+    if (available(kKernels[k].isa)) EXPECT_EQ(count.met[k], static_cast<double>(count.rays)) << name(kKernels[k].isa);
   }
 }
 

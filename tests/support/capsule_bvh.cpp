@@ -64,7 +64,7 @@ struct CapsuleVolume {
     return std::numbers::pi * r * r * (2 * double{c.half} + 4 * r / 3);
   }
   [[nodiscard]] std::int32_t floats() const noexcept { return Layout::kFloats; }
-  [[nodiscard]] Layout::Shared shared() const noexcept { return {}; }
+  [[nodiscard]] Layout::Shared shared(std::span<const Bound>) const noexcept { return {}; }
   void write(const Capsule& capsule, float* data) const noexcept {
     for (glm::length_t a = 0; a < 3; ++a) data[a] = capsule.center[a];
     data[3] = capsule.half;
