@@ -4,12 +4,12 @@
 // -org / dir, made once for a register of rays. Those for the planes that rays meet first and last differ by all that an interval has to grow.
 //
 // Proof, u = kUnitRoundoff, T = (plane - org) / dir, for planes that are met first; the others mirror it. scale is (1 - kSlabPadding) / dir within 2 u. at_zero
-// is not above -org * scale: the sign of what rounding leaves of that is exact. So plane * scale + at_zero is not above (plane - org) * scale, and rounded once:
-// T (1 - kSlabPadding) (1 + 3 u), which is before any hit that the contract allows (error_bounds.h); where t_min < 0, slab_slack is in at_zero as well. Without
-// a fused operation the product is rounded too, by u T and u org / dir; at_zero is lower by that. In space, boxes grow by 1 to 6 u |org|: false boxes, and few
-// of them unless boxes are not much larger than the last place of the origin's coordinates.
-// Directions below kLeastSlope of the largest are taken for it, so that nothing is infinite or NaN. No hit is at a t beyond `reach` + the largest |org|: that
-// much times kLeastSlope the ray is off at most, which moves t by twice as much as t itself. An origin beyond 2^60 says nothing on its axis.
+// is not above -org * scale: the sign of what rounding leaves of that is exact. So plane * scale + at_zero is not above (plane - org) * scale, and rounded
+// once: T (1 - kSlabPadding) (1 + 3 u), which is before any hit that the contract allows (error_bounds.h); where t_min < 0, slab_slack is in at_zero as well.
+// Without a fused operation the product is rounded too, by u T and u org / dir; at_zero is lower by that. In space, boxes grow by 1 to 6 u |org|: false boxes,
+// and few of them unless boxes are not much larger than the last place of the origin's coordinates. Directions below kLeastSlope of the largest are taken for
+// it, so that nothing is infinite or NaN. No hit is at a t beyond `reach` + the largest |org|: that much times kLeastSlope the ray is off at most, which moves
+// t by twice as much as t itself. An origin beyond 2^60 says nothing on its axis.
 
 #include "core/bounds/slab_kernel.h"
 
