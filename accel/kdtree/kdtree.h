@@ -17,7 +17,7 @@ struct KdParams {
 };
 
 struct KdTreeParams : KdParams {
-  double traversal_cost = 1.3;
+  double traversal_cost = 2;
   double intersection_cost = 1;
   double empty_bonus = 0.2;
 
