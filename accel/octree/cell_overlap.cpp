@@ -22,23 +22,59 @@ double reach(const glm::dvec3& half, const glm::dvec3& axis) noexcept {
   return half.x * std::abs(axis.x) + half.y * std::abs(axis.y) + half.z * std::abs(axis.z);
 }
 
-/// Separating axes (Akenine-Moeller 2001) but for the box's own, which the boxes have been tested for.
-bool triangle_touches(const std::array<glm::dvec3, 3>& corner, const glm::dvec3& half) noexcept {
-  const double size = largest(half) + std::max({largest(corner[0]), largest(corner[1]), largest(corner[2])});
-  const auto separates = [&](const glm::dvec3& axis) noexcept {
-    const double p[3] = {glm::dot(corner[0], axis), glm::dot(corner[1], axis), glm::dot(corner[2], axis)};
-    const double r = reach(half, axis) + kRoundings * size * largest(axis);
-    return std::min({p[0], p[1], p[2]}) > r || std::max({p[0], p[1], p[2]}) < -r;
-  };
-  const glm::dvec3 edge[3] = {corner[1] - corner[0], corner[2] - corner[1], corner[0] - corner[2]};
-  // The normal's own rounding is relative to the product of the edges, which may be far larger than itself.
-  const glm::dvec3 normal = glm::cross(edge[0], edge[1]);
-  const double r = reach(half, normal) + kRoundings * size * largest(edge[0]) * largest(edge[1]);
-  if (std::abs(glm::dot(normal, corner[0])) > r) return false;
-  for (const glm::dvec3& e : edge) {
-    if (separates({0, e.z, -e.y}) || separates({-e.z, 0, e.x}) || separates({e.y, -e.x, 0})) return false;
+/// A triangle against boxes, by separating axes (Akenine-Moeller 2001) but for the boxes' own, which have been tested.
+class TriangleOverlap {
+public:
+  explicit TriangleOverlap(const std::array<glm::dvec3, 3>& corner) noexcept
+      : corner_(corner), edge_{corner[1] - corner[0], corner[2] - corner[1], corner[0] - corner[2]}, normal_(glm::cross(edge_[0], edge_[1])) {}
+
+  [[nodiscard]] bool touches(const CellBox& box) const noexcept {
+    const std::array<glm::dvec3, 3> corner{corner_[0] - box.center, corner_[1] - box.center, corner_[2] - box.center};
+    const double rounding = kRoundings * (largest(box.half) + std::max({largest(corner[0]), largest(corner[1]), largest(corner[2])}));
+    // The normal's own rounding is relative to the product of the edges, which may be far larger than itself.
+    const double r = reach(box.half, normal_) + rounding * largest(edge_[0]) * largest(edge_[1]);
+    if (std::abs(glm::dot(normal_, corner[0])) > r) return false;
+    // Across an edge its two corners are in one place.
+    return !separated(edge_[0], corner[0], corner[2], box.half, rounding) && !separated(edge_[1], corner[1], corner[0], box.half, rounding) &&
+           !separated(edge_[2], corner[2], corner[1], box.half, rounding);
   }
-  return true;
+
+private:
+  /// By one of the axes across edge e and an axis of the box; `on` is a corner on the edge, `off` the one that is not.
+  static bool separated(const glm::dvec3& e, const glm::dvec3& on, const glm::dvec3& off, const glm::dvec3& half, double rounding) noexcept {
+    bool apart = false;
+    for (glm::length_t a = 0; a < 3; ++a) {
+      const glm::length_t b = a == 2 ? 0 : a + 1, c = a == 0 ? 2 : a - 1;
+      const double p = on[b] * e[c] - on[c] * e[b], q = off[b] * e[c] - off[c] * e[b];
+      const double eb = std::abs(e[b]), ec = std::abs(e[c]);
+      const double r = half[b] * ec + half[c] * eb + rounding * std::max(eb, ec);
+      apart |= (p > r && q > r) || (p < -r && q < -r);
+    }
+    return apart;
+  }
+
+  std::array<glm::dvec3, 3> corner_, edge_;
+  glm::dvec3 normal_;
+};
+
+TriangleOverlap triangle_overlap(const TrianglePool& triangles, std::size_t i) noexcept {
+  return TriangleOverlap({at(triangles.vertex[0], i), at(triangles.vertex[1], i), at(triangles.vertex[2], i)});
+}
+
+/// The children that hold corners of a triangle.
+std::uint8_t with_corners(const TrianglePool& triangles, std::size_t i, const DividedCell& cell) noexcept {
+  unsigned mask = 0;
+  for (const FloatColumns3& vertex : triangles.vertex) {
+    unsigned inside = 1, child = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto axis = static_cast<glm::length_t>(a);
+      const float x = vertex[a][i];
+      inside &= static_cast<unsigned>(x >= cell.box.min[axis]) & static_cast<unsigned>(x <= cell.box.max[axis]);
+      child |= static_cast<unsigned>(x >= cell.split[axis]) << a;
+    }
+    mask |= inside << child;
+  }
+  return static_cast<std::uint8_t>(mask);
 }
 
 bool sphere_touches(const glm::dvec3& to_center, double radius, const glm::dvec3& half) noexcept {
@@ -112,14 +148,31 @@ bool cone_touches(const ConePool& cones, std::size_t i, const glm::dvec3& center
 bool may_touch(const Pools& pools, PrimRef prim, const glm::dvec3& center, const glm::dvec3& half) noexcept {
   const std::size_t i = prim.index;
   switch (prim.kind()) {
-    case PrimKind::triangle:
-      return triangle_touches({at(pools.triangles.vertex[0], i) - center, at(pools.triangles.vertex[1], i) - center, at(pools.triangles.vertex[2], i) - center},
-                              half);
+    case PrimKind::triangle: return triangle_overlap(pools.triangles, i).touches({center, half});
     case PrimKind::sphere: return sphere_touches(at(pools.spheres.center, i) - center, double{pools.spheres.radius[i]}, half);
     case PrimKind::polygon: return polygon_touches(pools.polygons, i, center, half);
     case PrimKind::cone: return cone_touches(pools.cones, i, center, half);
   }
   return true;
+}
+
+std::uint8_t touched(const Pools& pools, PrimRef prim, const DividedCell& cell, std::uint8_t of) noexcept {
+  std::uint8_t mask = 0;
+  const auto collect = [&](std::uint8_t unknown, auto&& touches) {
+    for (unsigned left = unknown; left != 0; left &= left - 1) {
+      const auto child = static_cast<std::size_t>(__builtin_ctz(left));
+      if (touches(cell.child[child])) mask |= static_cast<std::uint8_t>(1u << child);
+    }
+  };
+  if (prim.kind() == PrimKind::triangle) {
+    mask = with_corners(pools.triangles, prim.index, cell) & of;
+    if (mask == of) return mask;
+    const TriangleOverlap triangle = triangle_overlap(pools.triangles, prim.index);
+    collect(of & static_cast<std::uint8_t>(~mask), [&](const CellBox& box) { return triangle.touches(box); });
+  } else {
+    collect(of, [&](const CellBox& box) { return may_touch(pools, prim, box.center, box.half); });
+  }
+  return mask;
 }
 
 }  // namespace raymeter

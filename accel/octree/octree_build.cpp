@@ -129,11 +129,12 @@ private:
     division.split = split_point(rule_, cell.box, least_, boxes_, std::span(refs_).subspan(cell.first, cell.count));
     if (!(std::min({division.split.x, division.split.y, division.split.z}) < std::numeric_limits<float>::infinity())) return;
     using Counts = std::array<std::uint32_t, 8>;
+    const DividedCell children = divided(cell.box, division.split);
     division.count = tbb::parallel_reduce(
         Range(cell.first, cell.first + cell.count, kGrain), Counts{},
         [&](const Range& range, Counts counts) {
           for (std::size_t r = range.begin(); r < range.end(); ++r) {
-            masks_[r] = children_of(refs_[r], cell.box, division.split);
+            masks_[r] = listing(refs_[r], children);
             for (std::size_t c = 0; c < 8; ++c) counts[c] += masks_[r] >> c & 1u;
           }
           return counts;
@@ -147,25 +148,27 @@ private:
     division.divided = total <= cell.budget;
   }
 
-  /// The children of a cell that list entry e, a bit for each.
-  [[nodiscard]] std::uint8_t children_of(std::uint32_t e, const Aabb& cell, const glm::vec3& split) const noexcept {
+  [[nodiscard]] DividedCell divided(const Aabb& cell, const glm::vec3& split) const noexcept {
+    DividedCell divided{cell, split, {}};
+    for (int c = 0; c < 8 && tree_.exact; ++c) {
+      const Aabb box = child_box(cell, split, c);
+      const glm::dvec3 low(box.min), high(box.max);
+      divided.child[static_cast<std::size_t>(c)] = {0.5 * (low + high), 0.5 * (high - low) + tree_.margin};
+    }
+    return divided;
+  }
+  /// The children that list entry e, a bit for each.
+  [[nodiscard]] std::uint8_t listing(std::uint32_t e, const DividedCell& cell) const noexcept {
     constexpr std::uint8_t kAbove[3] = {0xAA, 0xCC, 0xF0};
     std::uint8_t mask = 0xFF;
     for (glm::length_t a = 0; a < 3; ++a) {
-      const bool below = double{boxes_[e].min[a]} - tree_.margin <= double{split[a]}, above = double{boxes_[e].max[a]} + tree_.margin >= double{split[a]};
-      if (!above)
-        mask &= static_cast<std::uint8_t>(~kAbove[a]);
-      else if (!below)
-        mask &= kAbove[a];
+      const bool below = double{boxes_[e].min[a]} - tree_.margin <= double{cell.split[a]},
+                 above = double{boxes_[e].max[a]} + tree_.margin >= double{cell.split[a]};
+      const auto lower = static_cast<std::uint8_t>(~kAbove[a]), both = static_cast<std::uint8_t>(0xFF);
+      mask &= static_cast<std::uint8_t>(above ? (below ? both : kAbove[a]) : lower);
     }
     if (!tree_.exact || (mask & (mask - 1)) == 0) return mask;
-    for (int c = 0; c < 8; ++c) {
-      if ((mask >> c & 1) == 0) continue;
-      const Aabb box = child_box(cell, split, c);
-      const glm::dvec3 low(box.min), high(box.max);
-      if (!may_touch(pools_, draft_.entries[e], 0.5 * (low + high), 0.5 * (high - low) + tree_.margin)) mask &= static_cast<std::uint8_t>(~(1 << c));
-    }
-    return mask;
+    return touched(pools_, draft_.entries[e], cell, mask);
   }
 
   [[nodiscard]] static Aabb child_box(Aabb box, const glm::vec3& split, int child) noexcept {

@@ -1,14 +1,19 @@
 // Small inputs whose hierarchies are known, one paper at a time.
 
+#include <algorithm>
+#include <random>
 #include <set>
 
 #include <gtest/gtest.h>
 
+#include "accel/bvh/binned_splits.h"
+#include "accel/bvh/binning_kernel.h"
 #include "accel/bvh/box_builders.h"
 #include "accel/bvh/collapse.h"
 #include "accel/bvh/merge_leaves.h"
 #include "accel/bvh/morton_order.h"
 #include "accel/bvh/reinsertion.h"
+#include "accel/kernel_set.h"
 #include "core/bounds/split_reference.h"
 #include "core/geometry/error_bounds.h"
 
@@ -160,6 +165,46 @@ TEST(WithWidth, GroupsTheChildrenOfWiderNodes) {
   const BvhTree binary = with_width(flat, 2, 1);
   EXPECT_EQ(binary.nodes.size(), 9u);
   EXPECT_EQ(children_of_root(binary), (Groups{{0, 2}, {1, 3, 4}}));
+}
+
+TEST(BinningKernel, MakesTheSameBinsOnEveryInstructionSet) {
+  std::mt19937 random(3);
+  const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f - 0.5f; };
+  for (const std::size_t count : {1, 2, 13, 95, 96, 97, 1000}) {
+    std::vector<BinnedBox> boxes;
+    for (std::size_t i = 0; i < count; ++i) {
+      Aabb box;
+      const glm::vec3 place(uniform(), uniform(), random() % 4 == 0 ? -0.0f : 0.0f);
+      box.grow(place);
+      box.grow(place + 0.1f * glm::vec3(uniform(), uniform(), uniform()));
+      boxes.emplace_back(box, prim_ref(PrimKind::triangle, i));
+    }
+    const BinMapping mapping(bounds_of(boxes).centers2, bin_count(32, count));
+    Bins wanted;
+    wanted.clear(mapping.bins);
+    for (const BinnedBox& one : boxes) {
+      for (int a = 0; a < 3; ++a) {
+        const int b = std::min(static_cast<int>((one.box.min[a] + one.box.max[a] - mapping.offset[a]) * mapping.scale[a]), mapping.bins - 1);
+        grow(wanted.box[a][b], one.box);
+        ++wanted.entering[a][b];
+      }
+    }
+    for (const Isa isa : kIsas) {
+      if (!available(isa)) continue;
+      Bins bins;
+      for_isa(isa, []<Isa I>() { return BinningKernel<I>::bin; })(boxes.data(), count, mapping, bins);
+      for (int a = 0; a < 3; ++a) {
+        for (int b = 0; b < mapping.bins; ++b) {
+          EXPECT_EQ(bins.entering[a][b], wanted.entering[a][b]) << name(isa);
+          EXPECT_EQ(bins.leaving[a][b], wanted.entering[a][b]) << name(isa);
+          for (int row = 0; row < 3; ++row) {
+            EXPECT_EQ(float{bins.box[a][b].min[row]}, float{wanted.box[a][b].min[row]}) << name(isa) << ' ' << count;
+            EXPECT_EQ(float{bins.box[a][b].max[row]}, float{wanted.box[a][b].max[row]}) << name(isa) << ' ' << count;
+          }
+        }
+      }
+    }
+  }
 }
 
 }  // namespace
