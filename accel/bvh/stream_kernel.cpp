@@ -75,7 +75,7 @@ void test_spheres_of_group(const SphereView& pool, PrimitiveRun run, std::uint64
     StreamRay& ray = group.ray[i];
     const RayHit before{-ray.interval[1], group.prim[i], 0, 0};
     RayHit hit = before;
-    meet_spheres<L>(ray, group.line[i], group.octant, pool, run, stats, [&](const LeafHits<L>& found) noexcept {
+    meet_spheres<L, Q == Query::closest>(ray, group.line[i], group.octant, pool, run, stats, [&](const LeafHits<L>& found) noexcept {
       if constexpr (Q == Query::any) {
         if (found.closer == 0) return;
         stats.template count<Event::prim_hit, L>(L::mask(found.closer));

@@ -25,8 +25,8 @@ template <class L>
   return one;
 }
 
-/// Calls take(LeafHits) for each register of the run's spheres.
-template <class L, class Stats, class Take>
+/// Calls take(LeafHits) for each register of the run's spheres; `kExpectHits` as for intersect_sphere().
+template <class L, bool kExpectHits, class Stats, class Take>
 [[gnu::always_inline]] inline void meet_spheres(const StreamRay& ray, const StreamLine& line, std::uint32_t octant, const SphereView& pool, PrimitiveRun run,
                                                 Stats stats, Take take) noexcept {
   using Float = typename L::Float;
@@ -38,7 +38,7 @@ template <class L, class Stats, class Take>
     stats.template count<Event::prim_test, L>(L::mask(present));
     const std::int32_t at = run.first + first;
     const Float from[3] = {one.org[0] - L::load(pool.center[0] + at), one.org[1] - L::load(pool.center[1] + at), one.org[2] - L::load(pool.center[2] + at)};
-    const SurfaceHit<L> found = intersect_sphere<L>(one, from, L::load(pool.radius + at));
+    const SurfaceHit<L> found = intersect_sphere<L, kExpectHits>(one, from, L::load(pool.radius + at));
     take(LeafHits<L>{found, L::bits(found.meets & (found.t >= one.t_min) & (found.t <= t_end)) & present, first});
   }
 }

@@ -74,15 +74,19 @@ template <>
   const auto* const blocks = reinterpret_cast<const char*>(bvh.blocks);
   const char* const target = select_unforeseen(child.tag() == WideRef::Tag::inner, nodes, blocks) + sizeof(WideNode) * child.index();
   const SphereView& spheres = bvh.pools.spheres;
-  if (spheres.prim == nullptr || child.tag() != WideRef::Tag::run) {
+  if (spheres.prim == nullptr) {
     for (int line = 0; line < 4; ++line) __builtin_prefetch(target + 64 * line);
     return;
   }
-  const PrimitiveRun run = bvh.runs[child.index()];
-  if (run.kind() != PrimKind::sphere) return;
-  for (int a = 0; a < 3; ++a) __builtin_prefetch(spheres.center[a] + run.first);
-  __builtin_prefetch(spheres.radius + run.first);
-  __builtin_prefetch(spheres.prim + run.first);
+  // Of runs of other kinds, which are few beside spheres, something that nobody needs.
+  const bool is_run = child.tag() == WideRef::Tag::run;
+  const std::int32_t first = bvh.runs[select_unforeseen(is_run, child.index(), 0u)].first;
+  const auto prefetch = [is_run](const void* of_run, const char* otherwise) noexcept {
+    __builtin_prefetch(select_unforeseen(is_run, static_cast<const char*>(of_run), otherwise));
+  };
+  for (int a = 0; a < 3; ++a) prefetch(spheres.center[a] + first, target + 64 * a);
+  prefetch(spheres.radius + first, target + 192);
+  prefetch(spheres.prim + first, target);
 }
 
 }  // namespace raymeter

@@ -16,8 +16,8 @@
 
 namespace raymeter {
 
-/// `from` is the ray's origin minus the sphere's centre.
-template <class L>
+/// `from` is the ray's origin minus the sphere's centre. `kExpectHits` saves the branch that ends a test which no lane passes.
+template <class L, bool kExpectHits = false>
 [[gnu::always_inline]] inline SurfaceHit<L> intersect_sphere(const RayPacket<L>& ray, const typename L::Float (&from)[3], typename L::Float radius) noexcept {
   using Float = typename L::Float;
   const Float zero(0.0f);
@@ -27,7 +27,7 @@ template <class L>
   const Float across2 = L::mul_add(across[2], across[2], L::mul_add(across[1], across[1], across[0] * across[0]));
   const Float chord2 = radius * radius - across2;
   SurfaceHit<L> hit{chord2 >= zero, zero, zero, zero};
-  if (L::none(hit.meets)) return hit;
+  if (!kExpectHits && L::none(hit.meets)) return hit;
 
   const Float half_chord = L::sqrt(L::max(chord2, zero) * ray.inv_length2);
   // The root of larger magnitude is a plain sum; the other is a difference, or follows from the product of the roots, c / dir^2.
