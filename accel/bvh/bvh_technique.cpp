@@ -3,6 +3,7 @@
 #include "accel/bvh/weak_bvh.h"
 #include "accel/bvh/wide_bvh.h"
 #include "accel/bvh/wide_quality.h"
+#include "core/base/threads.h"
 
 namespace raymeter {
 
@@ -28,10 +29,12 @@ ParamValues resolve_bvh(const ParamValues& values) {
 
 std::unique_ptr<Structure> build_bvh(const Scene& scene, const ParamValues& values, int threads) {
   const auto params = bind<BvhParams>(values);
-  BvhTree tree = build_bvh_tree(scene, params, threads);
-  if (params.is_wide()) return build_wide_bvh(scene, std::move(tree), params.max_leaf_size, threads);
-  return with_volume(params.volume, params, scene,
-                     [&]<class V>(const V& volume) -> std::unique_ptr<Structure> { return std::make_unique<BvhStructure<V>>(scene, tree, volume, threads); });
+  return on_threads(threads, [&]() -> std::unique_ptr<Structure> {  // one arena for all that follows
+    BvhTree tree = build_bvh_tree(scene, params, threads);
+    if (params.is_wide()) return build_wide_bvh(scene, std::move(tree), params.max_leaf_size, threads);
+    return with_volume(params.volume, params, scene,
+                       [&]<class V>(const V& volume) -> std::unique_ptr<Structure> { return std::make_unique<BvhStructure<V>>(scene, tree, volume, threads); });
+  });
 }
 
 void add_bvh_quality(const Scene& scene, const ParamValues& values, int threads, BuildStats& stats) {

@@ -23,7 +23,7 @@ WideCuts::WideCuts(const Scene& scene, const BvhTree& tree, const WideTreeSettin
     part.first_prim = prims;
     prims += static_cast<std::int32_t>(part.order.size());
   }
-  order_.resize(static_cast<std::size_t>(prims));
+  order_ = std::make_unique_for_overwrite<PrimRef[]>(static_cast<std::size_t>(prims));
   for_each_task(parts.size(), [&](std::size_t p) { cut_part(parts[p]); });
   auto next = parts.cbegin();
   cut_top(0, next);
@@ -66,7 +66,7 @@ void WideCuts::list_subtrees(Part& part) const {
 }
 
 void WideCuts::cut_part(Part& part) {
-  std::ranges::copy(part.order, order_.begin() + part.first_prim);
+  std::ranges::copy(part.order, order_.get() + part.first_prim);
   std::int32_t end = part.first_prim + static_cast<std::int32_t>(part.order.size());
   std::vector<Subtree> closed;  // whose parents are still to come
   closed.reserve(2 * kBalanceDepth);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -24,7 +25,7 @@ public:
   [[nodiscard]] int left_roots(std::int32_t n, int roots) const { return static_cast<int>(cut(n).left_roots >> 3 * (roots - 1) & 7); }
   /// The same for the children of a node that is opened whatever it costs.
   [[nodiscard]] int left_roots_below(std::int32_t n) const { return cut(n).left_roots_below; }
-  [[nodiscard]] std::span<const PrimRef> prims(std::int32_t n) const { return {order_.begin() + cut(n).first_prim, order_.begin() + cut(n).end_prim}; }
+  [[nodiscard]] std::span<const PrimRef> prims(std::int32_t n) const { return {order_.get() + cut(n).first_prim, order_.get() + cut(n).end_prim}; }
 
 private:
   struct Cut {
@@ -65,7 +66,7 @@ private:
   const BvhTree& tree_;
   const WideTreeSettings& settings_;
   Column<Cut> cut_;
-  std::vector<PrimRef> order_;
+  std::unique_ptr<PrimRef[]> order_;
 };
 
 }  // namespace raymeter

@@ -15,10 +15,13 @@ namespace raymeter {
 /// The number of threads that 0 stands for.
 [[nodiscard]] inline int all_threads() noexcept { return tbb::info::default_concurrency(); }
 
-/// Runs `body` in an arena of `threads` threads (0: all), more than the machine has where that is asked for. Returns what it returns.
+/// Runs `body` in an arena of `threads` threads (0: all), more than the machine has where that is asked for. Returns what it returns. An arena of so many that
+/// the caller is in already serves: workers leave one only after many yields and come to the next only then, on a busy machine when all is done. There its
+/// waits take no work from around it.
 template <class Body>
 auto on_threads(int threads, Body&& body) {
   const int count = threads > 0 ? threads : all_threads();
+  if (tbb::this_task_arena::max_concurrency() == count) return tbb::this_task_arena::isolate(std::forward<Body>(body));
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(std::max(count, all_threads())));
   tbb::task_arena arena(count);
   return arena.execute(std::forward<Body>(body));
