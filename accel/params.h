@@ -31,7 +31,7 @@ struct ParamInfo {
   double max = 0;
   std::vector<std::string_view> choices;  ///< strings only; empty: any text
   ParamUse use = ParamUse::build;
-  std::vector<std::vector<std::string_view>> same_build;  ///< groups of choices that a build does not tell apart
+  std::vector<std::vector<std::string_view>> same_build;  ///< groups of choices that share a build; of a query the others have builds of their own
 };
 
 /// One row of a technique's static fields(): where the value lives and what is allowed. Default values stand in the struct alone.

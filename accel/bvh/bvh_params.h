@@ -34,6 +34,9 @@ struct PlocParams {
 /// Any value but the default gives up right answers for speed (core/geometry/weak_tests.h); accel/weak_settings.h has the names.
 struct TestParams {
   std::string box_test = "padded";
+  int box_padding = 0;
+  std::string box_bounds = "padded";
+  std::string reciprocal = "divide";
   std::string triangle_test = "woop_kahan";
   std::string sphere_test = "robust";
   friend bool operator==(const TestParams&, const TestParams&) = default;

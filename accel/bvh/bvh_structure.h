@@ -10,6 +10,7 @@
 #include "accel/volume_links.h"
 #include "core/base/threads.h"
 #include "core/bounds/aabb_volume.h"
+#include "core/scene/unit_triangles.h"
 
 namespace raymeter {
 
@@ -17,9 +18,11 @@ namespace raymeter {
 inline constexpr std::int32_t kMostFitted = 1 << 15;
 
 /// The volumes of a tree's links. Axis-aligned boxes are the builder's own, which spatial splits may have cut. Of other kinds a node's volume is fitted around
-/// all primitives below it; where that is no tighter, or where there are too many, it is merged from its children's.
+/// all primitives below it; where that is no tighter, or where there are too many, it is merged from its children's. `tight`: boxes as they are around the
+/// primitives below, with no room for what these kernels err.
 template <BoundingVolume V>
-[[nodiscard]] std::vector<typename V::Bound> link_bounds(const V& volume, const Scene& scene, const BvhTree& tree, const FlatTree& flat, int threads) {
+[[nodiscard]] std::vector<typename V::Bound> link_bounds(const V& volume, const Scene& scene, const BvhTree& tree, const FlatTree& flat, bool tight,
+                                                         int threads) {
   std::vector<typename V::Bound> bounds(flat.links.size());
   if (tree.nodes.empty()) return bounds;
   const auto merged = [&](std::size_t i) {
@@ -30,7 +33,9 @@ template <BoundingVolume V>
     const FlatTree::Source& source = flat.sources[i];
     if (source.node < 0) return;
     if constexpr (std::same_as<V, AabbVolume>) {
-      bounds[i] = tree.node(source.node).box;
+      if (!tight) bounds[i] = tree.node(source.node).box;
+      for (std::int32_t k = source.first_prim; tight && k < source.end_prim; ++k)
+        bounds[i].grow(tight_bounds(scene.pools(), flat.order[static_cast<std::size_t>(k)]));
     } else if (!merged(i)) {
       bounds[i] = volume.fit(
           scene, std::span(flat.order).subspan(static_cast<std::size_t>(source.first_prim), static_cast<std::size_t>(source.end_prim - source.first_prim)));
@@ -50,7 +55,7 @@ template <BoundingVolume V>
 template <BoundingVolume V>
 [[nodiscard]] std::vector<NodeMeasure> node_measures(const V& volume, const Scene& scene, const BvhTree& tree, int threads) {
   const FlatTree flat = flatten(tree);
-  const std::vector<typename V::Bound> bounds = link_bounds(volume, scene, tree, flat, threads);
+  const std::vector<typename V::Bound> bounds = link_bounds(volume, scene, tree, flat, false, threads);
   std::vector<NodeMeasure> measures(tree.nodes.size());
   on_threads(threads, [&] {
     for_each_index(bounds.size(), [&](std::size_t i) {
@@ -66,7 +71,11 @@ class BvhStructure final : public Structure {
 public:
   using Layout = typename V::Layout;
 
-  BvhStructure(const Scene& scene, const BvhTree& tree, const V& volume, int threads) : BvhStructure(scene, tree, flatten(tree), volume, threads) {}
+  BvhStructure(const Scene& scene, const BvhTree& tree, const V& volume, int threads, const BvhParams& params = {})
+      : BvhStructure(scene, tree, flatten(tree), volume, params.box_bounds == "tight", threads) {
+    if (params.triangle_test == "baldwin_weber") unit_triangles_ = unit_triangles(pools_, threads);
+    stats_.mem_bytes += unit_triangles_.mem_bytes();
+  }
 
   [[nodiscard]] const BuildStats& stats() const noexcept override { return stats_; }
   [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
@@ -77,15 +86,15 @@ public:
     const std::size_t scratch = heap ? bvh_heap_bytes(heap_capacity_) : bvh_stack_bytes(stack_capacity_, options.packet);
     const BvhView<Layout> view{links_.view(pools_), stack_capacity_, heap_capacity_};
     if constexpr (std::same_as<V, AabbVolume>) {
-      if (!heap && has_weak_tests(params)) return weak_intersector(view, params, options, scratch);
+      if (!heap && has_weak_tests(params)) return weak_intersector(view, unit_triangles_.view(), params, options, scratch);
     }
     return std::make_unique<KernelIntersector<BvhView<Layout>>>(view, kernels, options.packet, scratch);
   }
 
 private:
-  BvhStructure(const Scene& scene, const BvhTree& tree, FlatTree flat, const V& volume, int threads)
+  BvhStructure(const Scene& scene, const BvhTree& tree, FlatTree flat, const V& volume, bool tight, int threads)
       : stats_(tree_stats(tree)),
-        links_(volume, flat.links, link_bounds(volume, scene, tree, flat, threads), std::move(flat.runs)),
+        links_(volume, flat.links, link_bounds(volume, scene, tree, flat, tight, threads), std::move(flat.runs)),
         pools_(reordered(scene.pools(), flat.order)),
         stack_capacity_(flat.stack_capacity),
         heap_capacity_(flat.heap_capacity) {
@@ -95,6 +104,7 @@ private:
   BuildStats stats_;
   VolumeLinks<V> links_;
   Pools pools_;
+  UnitTriangles unit_triangles_;  ///< of bvh:triangle_test=baldwin_weber
   std::int32_t stack_capacity_;
   std::int32_t heap_capacity_;
 };

@@ -19,6 +19,7 @@ ParamValues resolve_bvh(const ParamValues& values) {
   check_volume(params.volume, params);
   check_tree_params(params);
   if (params.traversal == "auto" && needs_packets(params)) params.traversal = "packet";
+  if (params.box_test == "fma" && params.reciprocal == "none") throw Error("reciprocal: box_test=fma multiplies by one, got none");
   if (params.is_wide()) {
     if (params.volume != "aabb") throw Error("traversal: " + params.traversal + " needs volume=aabb, got " + params.volume);
     if (params.group % kBeamRays != 0) throw Error("group: expected a multiple of " + std::to_string(kBeamRays) + ", got " + std::to_string(params.group));
@@ -32,8 +33,9 @@ std::unique_ptr<Structure> build_bvh(const Scene& scene, const ParamValues& valu
   return on_threads(threads, [&]() -> std::unique_ptr<Structure> {  // one arena for all that follows
     BvhTree tree = build_bvh_tree(scene, params, threads);
     if (params.is_wide()) return build_wide_bvh(scene, std::move(tree), params.max_leaf_size, threads);
-    return with_volume(params.volume, params, scene,
-                       [&]<class V>(const V& volume) -> std::unique_ptr<Structure> { return std::make_unique<BvhStructure<V>>(scene, tree, volume, threads); });
+    return with_volume(params.volume, params, scene, [&]<class V>(const V& volume) -> std::unique_ptr<Structure> {
+      return std::make_unique<BvhStructure<V>>(scene, tree, volume, threads, params);
+    });
   });
 }
 

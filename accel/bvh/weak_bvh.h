@@ -5,6 +5,7 @@
 
 #include "accel/bvh/bvh.h"
 #include "accel/bvh/bvh_layout.h"
+#include "core/geometry/unit_triangle_layout.h"
 
 namespace raymeter {
 
@@ -12,7 +13,7 @@ namespace raymeter {
 [[nodiscard]] bool has_weak_tests(const BvhParams& params);
 
 /// Packet traversal of the same tree with the tests that `params` name.
-[[nodiscard]] std::unique_ptr<Intersector> weak_intersector(const BvhView<AabbLayout>& bvh, const BvhParams& params, const QueryOptions& options,
-                                                            std::size_t scratch_bytes);
+[[nodiscard]] std::unique_ptr<Intersector> weak_intersector(const BvhView<AabbLayout>& bvh, const UnitTriangleView& unit_triangles, const BvhParams& params,
+                                                            const QueryOptions& options, std::size_t scratch_bytes);
 
 }  // namespace raymeter

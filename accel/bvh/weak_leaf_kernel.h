@@ -10,9 +10,11 @@
 
 namespace raymeter {
 
-template <Query Q, class L, int kGroups, class Stats>
-[[gnu::noinline]] void test_weakly(Packet<L, kGroups>& packet, const typename L::Mask* lanes, const PoolsView& pools, PrimitiveRun run, TriangleTest triangle,
-                                   SphereTest sphere, Stats stats) noexcept {
+template <Query Q, class Shared, class L, int kGroups, class Stats>
+[[gnu::noinline]] void test_weakly(Packet<L, kGroups>& packet, const typename L::Mask* lanes, const PoolsView& pools, PrimitiveRun run, const Shared& shared,
+                                   Stats stats) noexcept {
+  const TriangleTest triangle = shared.triangle;
+  const SphereTest sphere = shared.sphere;
   const auto test_all = [&](const std::int32_t* prim, auto test) noexcept {
     test_primitives<Q, false>(packet, lanes, run.count(), prim, PositionRefs{run.first}, stats,
                               [&](const RayPacket<L>& ray, const HitPacket<L>&, std::int32_t i) noexcept { return test(ray, i); });
@@ -28,6 +30,9 @@ template <Query Q, class L, int kGroups, class Stats>
       case TriangleTest::woop: return triangles(woop_triangle<L>);
       case TriangleTest::moeller_trumbore: return triangles(moeller_trumbore_triangle<L>);
       case TriangleTest::moeller_trumbore_double: return triangles(moeller_trumbore_double_triangle<L>);
+      case TriangleTest::baldwin_weber:
+        return test_all(pools.triangles.prim,
+                        [&](const RayPacket<L>& ray, std::int32_t i) noexcept { return baldwin_weber_triangle<L>(ray, shared.unit_triangles, i); });
       default: return triangles(pluecker_triangle<L>);
     }
   }
@@ -41,9 +46,7 @@ template <Query Q, BoxTest B, class L, int kGroups, class Stats>
 inline void visit_leaf(const VolumeLinksView<WeakBoxLayout<B>>& links, Travellers<WeakBoxLayout<B>, L, kGroups>& travellers, const VolumeLink& leaf,
                        Stats stats) noexcept {
   travellers.template count_live<Event::leaf_visit>(stats);
-  const auto test = [&](PrimitiveRun run) noexcept {
-    test_weakly<Q>(travellers.packet, travellers.live, links.pools, run, links.shared.triangle, links.shared.sphere, stats);
-  };
+  const auto test = [&](PrimitiveRun run) noexcept { test_weakly<Q>(travellers.packet, travellers.live, links.pools, run, links.shared, stats); };
   if (leaf.tag() != VolumeLink::kRuns) return test(PrimitiveRun{leaf.tag_and_count, leaf.first});
   for (std::int32_t r = leaf.first; r < leaf.first + leaf.count(); ++r) test(links.runs[r]);
 }

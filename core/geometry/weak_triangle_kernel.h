@@ -5,8 +5,10 @@
 //                     or 0: no edge leaks. What is lost is the size of the weights of slivers, and with it t.
 //   moeller_trumbore  Moeller, Trumbore 1997 (JGT 2(1)), without a culling epsilon; in float, or lane by lane in double.
 //   pluecker          Pluecker edge tests relative to the origin (Davidovic et al. 2012; Embree's robust test without its epsilon).
+//   baldwin_weber     Baldwin, Weber 2016 (JCGT 5(3)): the ray in the space of the unit triangle, by maps made at build time.
 
 #include "core/geometry/triangle_kernel.h"
+#include "core/geometry/unit_triangle_layout.h"
 
 namespace raymeter {
 
@@ -131,6 +133,25 @@ template <class L>
   hit.t = dot<L>(normal, a) / slope;
   hit.u = weight_b * inv_sum;
   hit.v = weight_c * inv_sum;
+  return hit;
+}
+
+template <class L>
+[[gnu::always_inline]] inline SurfaceHit<L> baldwin_weber_triangle(const RayPacket<L>& ray, const UnitTriangleView& triangles, std::int32_t i) noexcept {
+  using Float = typename L::Float;
+  const Float zero(0.0f);
+  constexpr int next[5] = {0, 1, 2, 0, 1};
+  const float* map = triangles.map + 9 * std::int64_t{i};
+  const int r = triangles.axis[i], p = next[r + 1], q = next[r + 2];
+  const auto mapped = [map](int row, Float x, Float y, Float added) noexcept {
+    return L::mul_add(Float(map[row]), x, L::mul_add(Float(map[row + 1]), y, added));
+  };
+  const Float climb = mapped(6, ray.dir[p], ray.dir[q], ray.dir[r]);
+  const Float height = mapped(6, ray.org[p], ray.org[q], ray.org[r] + Float(map[8]));
+  const Float t = -height / climb;
+  const Float x = L::mul_add(t, ray.dir[p], ray.org[p]), y = L::mul_add(t, ray.dir[q], ray.org[q]);
+  SurfaceHit<L> hit{climb != zero, t, mapped(0, x, y, Float(map[2])), mapped(3, x, y, Float(map[5]))};
+  hit.meets = hit.meets & (hit.u >= zero) & (hit.v >= zero) & (hit.u + hit.v <= Float(1.0f));
   return hit;
 }
 

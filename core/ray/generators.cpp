@@ -21,6 +21,7 @@ namespace {
 using glm::dvec3;
 constexpr std::array<std::string_view, kRayKinds.size()> kNames{"primary", "shadow", "reflection", "ambient_occlusion", "diffuse", "random", "vertices",
                                                                 "edges",   "faces",  "invalid"};
+constexpr std::string_view kOffset = ":offset=";
 
 RaySet resized(std::size_t size, Query query) {
   RaySet set;
@@ -172,7 +173,64 @@ RaySet random_rays(const Scene& scene, std::int32_t count, std::uint64_t seed) {
   return set;
 }
 
+/// Secondary rays from what eye rays hit.
+RaySet rays_leaving(const Scene& scene, RayKind kind, const std::vector<PrimaryHit>& hits, std::uint64_t seed, int threads) {
+  const auto bounce = [&](const PrimaryHit& hit, int sample) noexcept {
+    RandomStream random = stream(seed, kind, hit.pixel, sample);
+    return spawn_ray(hit.surface, cosine_direction(hit.surface.geometric, random));
+  };
+  switch (kind) {
+    case RayKind::shadow: return shadow_rays(scene, hits, threads);
+    case RayKind::reflection:
+      return rays_from_hits(hits, 1, Query::closest, threads,
+                            [](const PrimaryHit& hit, int) noexcept { return spawn_ray(hit.surface, glm::reflect(hit.dir, hit.surface.shading)); });
+    case RayKind::ambient_occlusion: {
+      const Aabb box = scene_box(scene);
+      const auto reach = static_cast<float>(hits.empty() ? 0 : kAmbientOcclusionReach * glm::length(dvec3(box.max) - dvec3(box.min)));
+      return rays_from_hits(hits, kAmbientOcclusionSamples, Query::any, threads, [&](const PrimaryHit& hit, int sample) noexcept {
+        Ray ray = bounce(hit, sample);
+        ray.t_max = reach;
+        return ray;
+      });
+    }
+    default: return rays_from_hits(hits, 1, Query::closest, threads, bounce);
+  }
+}
+
+/// What the rays of a set meet, and what they leave.
+ExpectedHits met_by(const Scene& scene, const RaySet& set, const std::vector<PrimaryHit>& hits, std::int64_t pixels, const Intersector& tracer, int threads) {
+  const auto is_flat = [&](std::int32_t prim) { return scene.prim(prim).kind() == PrimKind::triangle || scene.prim(prim).kind() == PrimKind::polygon; };
+  std::vector<std::int32_t> prim_at(static_cast<std::size_t>(pixels), -1);
+  for (const PrimaryHit& hit : hits) prim_at[static_cast<std::size_t>(hit.pixel)] = is_flat(hit.prim) ? hit.prim : -1;
+  ExpectedHits expected;
+  if (set.query == Query::any) {
+    trace_any(tracer, set.rays, expected.prim, threads);
+    for (std::int32_t& prim : expected.prim) prim = prim < 0 ? ExpectedHits::kNothing : ExpectedHits::kSomething;
+  } else {
+    HitBatch met;
+    trace_closest(tracer, set.rays, met, threads);
+    expected.prim = std::move(met.prim);
+  }
+  for (const std::int32_t pixel : set.pixel) expected.source.push_back(prim_at[static_cast<std::size_t>(pixel)]);
+  expected.excused = static_cast<std::int64_t>(set.rays.size());
+  return expected;
+}
+
 }  // namespace
+
+bool leaves_surfaces(RayKind kind) noexcept {
+  return kind == RayKind::shadow || kind == RayKind::reflection || kind == RayKind::ambient_occlusion || kind == RayKind::diffuse;
+}
+
+std::optional<RayRecipe> ray_recipe_from_name(std::string_view name) noexcept {
+  const std::size_t at = name.find(kOffset);
+  const std::optional<RayKind> kind = ray_kind_from_name(name.substr(0, at));
+  if (!kind || at == std::string_view::npos) return kind ? std::optional<RayRecipe>(*kind) : std::nullopt;
+  const std::optional<OriginOffset> offset = origin_offset_from_text(name.substr(at + kOffset.size()));
+  return offset && leaves_surfaces(*kind) ? std::optional<RayRecipe>(RayRecipe{*kind, offset}) : std::nullopt;
+}
+
+std::string name(const RayRecipe& recipe) { return std::string(name(recipe.kind)) + (recipe.offset ? std::string(kOffset) + to_string(*recipe.offset) : ""); }
 
 std::string_view name(RayKind kind) noexcept { return kNames[static_cast<std::size_t>(kind)]; }
 
@@ -194,33 +252,21 @@ void eye_rays(const CameraModel& model, const Column<std::int32_t>& pixels, RayB
   });
 }
 
-RaySet make_rays(const Scene& scene, RayKind kind, const CameraModel& model, std::uint64_t seed, const Intersector& tracer, int threads) {
+RaySet make_rays(const Scene& scene, const RayRecipe& recipe, const CameraModel& model, std::uint64_t seed, const Intersector& tracer, int threads) {
+  const RayKind kind = recipe.kind;
   if (kind == RayKind::random) return random_rays(scene, model.pixel_count(), seed);
   if (kind == RayKind::vertices || kind == RayKind::edges || kind == RayKind::faces) return mesh_rays(scene, kind, model.pixel_count(), seed, tracer, threads);
   RaySet primary = primary_rays(model, threads);
   if (kind == RayKind::primary) return primary;
   if (kind == RayKind::invalid) return with_invalid(std::move(primary), seed);
-  const std::vector<PrimaryHit> hits = primary_hits(scene, primary, tracer, threads);
-  const auto bounce = [&](const PrimaryHit& hit, int sample) noexcept {
-    RandomStream random = stream(seed, kind, hit.pixel, sample);
-    return spawn_ray(hit.surface, cosine_direction(hit.surface.geometric, random));
-  };
-  switch (kind) {
-    case RayKind::shadow: return shadow_rays(scene, hits, threads);
-    case RayKind::reflection:
-      return rays_from_hits(hits, 1, Query::closest, threads,
-                            [](const PrimaryHit& hit, int) noexcept { return spawn_ray(hit.surface, glm::reflect(hit.dir, hit.surface.shading)); });
-    case RayKind::ambient_occlusion: {
-      const Aabb box = scene_box(scene);
-      const auto reach = static_cast<float>(hits.empty() ? 0 : kAmbientOcclusionReach * glm::length(dvec3(box.max) - dvec3(box.min)));
-      return rays_from_hits(hits, kAmbientOcclusionSamples, Query::any, threads, [&](const PrimaryHit& hit, int sample) noexcept {
-        Ray ray = bounce(hit, sample);
-        ray.t_max = reach;
-        return ray;
-      });
-    }
-    default: return rays_from_hits(hits, 1, Query::closest, threads, bounce);
-  }
+  std::vector<PrimaryHit> hits = primary_hits(scene, primary, tracer, threads);
+  RaySet set = rays_leaving(scene, kind, hits, seed, threads);
+  if (!recipe.offset) return set;
+  ExpectedHits expected = met_by(scene, set, hits, model.pixel_count(), tracer, threads);
+  for (PrimaryHit& hit : hits) hit.surface = recipe.offset->lift(hit.surface);
+  set = rays_leaving(scene, kind, hits, seed, threads);
+  set.expected = std::move(expected);
+  return set;
 }
 
 }  // namespace raymeter

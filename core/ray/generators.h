@@ -11,6 +11,7 @@
 #include "core/ray/shadow_origins.h"
 #include "core/ray/views.h"
 #include "core/scene/camera.h"
+#include "core/scene/origin_offset.h"
 #include "core/scene/scene.h"
 #include "core/trace/intersector.h"
 
@@ -39,8 +40,21 @@ inline constexpr std::array kRayKinds{RayKind::primary, RayKind::shadow, RayKind
                                       RayKind::diffuse, RayKind::random, RayKind::vertices,   RayKind::edges,
                                       RayKind::faces,   RayKind::invalid};
 
+/// A kind, and by which rule its rays leave their surfaces. Where a rule is named, even the usual one, what the rays meet is held against what rays by the
+/// bound meet (RaySet::expected; every ray is excused), and which flat primitive each leaves is known.
+struct RayRecipe {
+  RayKind kind;
+  std::optional<OriginOffset> offset;
+  RayRecipe(RayKind ray_kind, std::optional<OriginOffset> rule = std::nullopt) noexcept : kind(ray_kind), offset(rule) {}  // a kind is a recipe
+};
+
 [[nodiscard]] std::string_view name(RayKind kind) noexcept;
 [[nodiscard]] std::optional<RayKind> ray_kind_from_name(std::string_view name) noexcept;
+/// Whether rays of this kind leave surfaces, so that rules of their origin mean something.
+[[nodiscard]] bool leaves_surfaces(RayKind kind) noexcept;
+/// "diffuse", "diffuse:offset=1e-4": a kind's name, of those that leave surfaces perhaps with the text of an OriginOffset.
+[[nodiscard]] std::optional<RayRecipe> ray_recipe_from_name(std::string_view name) noexcept;
+[[nodiscard]] std::string name(const RayRecipe& recipe);
 
 inline constexpr int kAmbientOcclusionSamples = 4;
 inline constexpr double kAmbientOcclusionReach = 0.1;
@@ -58,6 +72,7 @@ struct RaySet {
 void eye_rays(const CameraModel& model, const Column<std::int32_t>& pixels, RayBatch& rays, int threads = 1);
 
 /// Makes a set; `tracer` finds the primary hits where the kind needs them.
-[[nodiscard]] RaySet make_rays(const Scene& scene, RayKind kind, const CameraModel& model, std::uint64_t seed, const Intersector& tracer, int threads);
+[[nodiscard]] RaySet make_rays(const Scene& scene, const RayRecipe& recipe, const CameraModel& model, std::uint64_t seed, const Intersector& tracer,
+                               int threads);
 
 }  // namespace raymeter

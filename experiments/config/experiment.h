@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -36,11 +37,13 @@ struct SceneChoice {
 /// What a cell traces: a ray set by its generator's name, "case" for that of a hard case, or as a .npy file with the query it is for, or "image", complete
 /// frames.
 struct RaysChoice {
-  std::string name;  ///< as the config has it; "FILE:any" for a file's any-hit queries
+  std::string name;  ///< as the config has it, numbers in their shortest form; "FILE:any" for a file's any-hit queries
   std::string file;  ///< path of a .npy file, empty for generated rays
   bool any = false;  ///< files only
 
   [[nodiscard]] bool image() const noexcept { return name == "image"; }
+  /// Without the rule of origins that may follow.
+  [[nodiscard]] std::string_view kind() const noexcept { return std::string_view(name).substr(0, name.find(':')); }
 };
 
 /// One cell of the matrix, fully resolved: what is measured. How often and how carefully is in Config.

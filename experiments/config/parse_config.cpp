@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 #include <fmt/format.h>
 
 #include "accel/registry.h"
 #include "core/base/error.h"
+#include "core/ray/generators.h"
 #include "experiments/config/config.h"
 #include "experiments/config/load_json.h"
 #include "experiments/config/schema.h"
@@ -105,7 +107,12 @@ void check_scene_names(const std::vector<SceneChoice>& scenes) {
 
 RaysChoice parse_rays(const Json& value, const Environment& environment, const std::string& path) {
   const std::string name = file_of(value);
-  if (!name.ends_with(".npy")) return {name, "", false};
+  if (name == "case" || name == "image") return {name, "", false};
+  if (!name.ends_with(".npy")) {
+    const std::optional<RayRecipe> recipe = ray_recipe_from_name(name);
+    if (!recipe) throw Error(fmt::format("{}: {}: expected an offset such as bound, 1e-4 or 16ulp", path, name));
+    return {raymeter::name(*recipe), "", false};
+  }
   RaysChoice rays{name, substituted(name, environment, path), value.is_object() && value.value("query", "closest") == "any"};
   if (rays.any) rays.name += ":any";
   if (!std::ifstream(rays.file)) throw Error(fmt::format("{}: {} cannot be read", path, rays.file));

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "accel/registry.h"
 #include "core/ray/generators.h"
 #include "core/ray/views.h"
@@ -98,13 +101,20 @@ Json scene_schema() {
 
 Json rays_schema() {
   Json names = Json::array();
-  for (const RayKind kind : kRayKinds) names.push_back(name(kind));
+  std::vector<std::string_view> leaving;
+  for (const RayKind kind : kRayKinds) {
+    names.push_back(name(kind));
+    if (leaves_surfaces(kind)) leaving.push_back(name(kind));
+  }
   for (const char* other : {"case", "image"}) names.push_back(other);
   const Json kinds{{"type", "string"}, {"enum", names}};
+  const Json offset{{"type", "string"},
+                    {"pattern", fmt::format("^({}):offset=(bound|[0-9][0-9.eE+-]*(ulp)?)$", fmt::join(leaving, "|"))},
+                    {"description", "secondary rays with the offset of their origins, as diffuse:offset=1e-4"}};
   const Json file{{"type", "string"}, {"pattern", "\\.npy$"}, {"description", "a .npy file"}};
   const Json query{{"type", "string"}, {"enum", {"closest", "any"}}};
   const Json object = closed_object({{"file", file}, {"query", query}}, {"file"});
-  return {{"anyOf", {kinds, file, object}}};
+  return {{"anyOf", {kinds, offset, file, object}}};
 }
 
 Json matrix_schema() {
@@ -121,7 +131,10 @@ Json matrix_schema() {
        {"isa", sweep(isa_schema(), "instruction sets; one that the machine lacks is recorded as skipped; best: the machine's best")},
        {"packet", sweep(integer(1, kMaxPacket), "rays per packet; 1 traces rays one by one")},
        {"rays",
-        sweep(rays_schema(), "ray sets; case: those of a hard: scene; or image: complete frames; .npy files are for closest unless they say query: any")},
+        sweep(rays_schema(),
+              "ray sets; secondary ones perhaps with how far their origins are lifted off their surfaces: offset=bound, in the scene's units, or in ulp of the "
+              "point's largest coordinate (16ulp), and then held against rays by the bound; case: those of a hard: scene; or image: complete frames; "
+              ".npy files are for closest unless they say query: any")},
        {"threads", sweep(threads, "number of threads, or all")}},
       {"scene", "structure"});
 }

@@ -24,7 +24,7 @@ const BuildRecord* Source::build(const Experiment& cell) const {
 
 std::vector<RowPhase> Source::phases(const Experiment& cell) const {
   if (!cell.rays.image()) {
-    const bool any = cell.rays.any || cell.rays.name == "shadow" || cell.rays.name == "ambient_occlusion";
+    const bool any = cell.rays.any || cell.rays.kind() == "shadow" || cell.rays.kind() == "ambient_occlusion";
     return {{any ? "any" : "closest", {}}};
   }
   std::vector<RowPhase> phases{{"total", {}}};

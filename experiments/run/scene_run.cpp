@@ -206,7 +206,7 @@ RaySet SceneRun::make_ray_set(const Experiment& cell, const Intersector& tracer)
   if (!cell.rays.file.empty()) return {.rays = read_rays_npy(cell.rays.file), .query = cell.rays.any ? Query::any : Query::closest, .pixel = {}};
   if (cell.rays.name == "case") return hard_case(cell.scene.spec).make(cell.width * cell.height, cell.seed).set;
   const CameraModel model{scene_->camera, cell.camera, cell.width, cell.height};
-  return make_rays(*scene_, ray_kind_from_name(cell.rays.name).value(), model, cell.seed, tracer, 0);
+  return make_rays(*scene_, ray_recipe_from_name(cell.rays.name).value(), model, cell.seed, tracer, 0);
 }
 
 }  // namespace raymeter

@@ -25,7 +25,7 @@ from .price_list import price_list
 from .records import Record, Run, whole
 from .scaling import growths
 from .style import Look
-from .work_precision import prices, work_precision
+from .work_precision import prices, shared_by_lines, work_precision
 
 
 @dataclass(frozen=True)
@@ -240,11 +240,12 @@ def precision_draft(cells: Sequence[Cell]) -> Draft | None:
     if not panels:
         return None
     points = [point for of_panel in panels.values() for point in of_panel]
+    shared = shared_by_lines(panels)
     where = describe_setting(main_setting([point.cell for point in points]))
     caption = (
         f"What wrong answers buy, at {where}: rays per second against the share of rays with a false miss, a false hit or a wrong primitive, against verified answers. "
-        "Up and left is better; what stands at 0 had none, so that its rate is below 3 in the number of rays at 95 % confidence. The star is the setting that most cells share, the default where one knob is turned at a time; a line is one "
-        "knob, the grey step the front: nothing below or right of it is worth its error. Bars are 95 % confidence intervals of the median."
+        "Up and left is better; what stands at 0 had none, so that its rate is below 3 in the number of rays at 95 % confidence. The star is the robust default, or else the setting that most cells share; a line is one "
+        "knob, the grey step the front: nothing below or right of it is worth its error. Bars are 95 % confidence intervals of the median." + (f" All along the lines: {shared}." if shared else "")
     )
     return Draft("speed_vs_wrong_answers", "Speed against wrong answers", caption, precision_figure(panels))
 

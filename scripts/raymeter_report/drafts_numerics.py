@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 
-from .cells import Cell
+from .cells import Cell, describe_setting, main_setting
 from .drafts import Draft
 from .figure_cases import cases_figure, cells_of_cases
+from .figure_offsets import lifted_rays, offsets_figure
 from .figure_reference import against_other_rays, reference_figure
 from .records import Run
 
@@ -34,3 +35,17 @@ def reference_draft(runs: Sequence[Run], cells: Sequence[Cell]) -> Draft | None:
         "Bars are 95 % confidence intervals of the median ratio."
     )
     return Draft("time_against_other_rays", f"Time of {kinds} rays against {of} rays", caption, reference_figure(found))
+
+
+def offsets_draft(cells: Sequence[Cell]) -> Draft | None:
+    """Secondary rays by the rule of their origins; None where only one was measured."""
+    panels = lifted_rays(cells)
+    if not panels:
+        return None
+    where = describe_setting(main_setting([one.cell for of_panel in panels.values() for one in of_panel]))
+    caption = (
+        f"How far to lift the origin of a secondary ray off the surface that it leaves, at {where}. Too little: rays meet that surface again. Too much: rays begin beyond "
+        "what touches it, or beside it. Fixed: in the scene's units; ulp: units in the last place of the point's largest coordinate. The proven bound (what rounding may "
+        "do to this primitive, seen from that far) is the default, and what the other rules' answers are held against: far from the origin, where it has to lift far itself, a diamond also says that another lift meets another triangle. What stands at none had no such ray."
+    )
+    return Draft("origin_offsets", "Where secondary rays begin", caption, offsets_figure(panels))

@@ -11,14 +11,16 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLoca
 from .cells import rays_of, scenes_of
 from .figure_dots import Dot, Panel, add_legend, dot_figure
 from .numbers import axis_number, shortened
-from .style import INK, MARKERS, PAGE_WIDTH, STRUCTURE_COLOURS, Look, new_figure, shade
+from .style import INK, MARKERS, NEUTRAL_INK, PAGE_WIDTH, STRUCTURE_COLOURS, Look, new_figure, shade
 from .work_precision import DEFAULT, Point, Price, front
 
 KNOB_COLOURS = [colour for name, colour in STRUCTURE_COLOURS.items() if name != "list"]
 
 
 def looks_of(points: Sequence[Point]) -> dict[str, Look]:
-    """A colour for each knob, a mark for each of its values; the usual setting is black."""
+    """A colour for each knob, a mark for each of its values; the usual setting is black. Where knobs go along numbers, these have a mark each."""
+    steps = list(dict.fromkeys(point.step for point in sorted(points, key=lambda point: step_number(point.step)) if point.step))
+    step_of = {point.label: point.step for point in points}
     values: dict[str, list[str]] = defaultdict(list)
     for point in points:
         if point.knob and point.label not in values[point.knob]:
@@ -27,8 +29,24 @@ def looks_of(points: Sequence[Point]) -> dict[str, Look]:
     for place, (_, labels) in enumerate(values.items()):
         colour = KNOB_COLOURS[place % len(KNOB_COLOURS)]
         for i, label in enumerate(labels):
-            looks[label] = Look(shade(colour, 0.45 * i / max(1, len(labels) - 1)), MARKERS[(place + i) % len(MARKERS)])
+            if step_of[label]:
+                looks[label] = Look(colour, MARKERS[steps.index(step_of[label]) % len(MARKERS)])
+            else:
+                looks[label] = Look(shade(colour, 0.45 * i / max(1, len(labels) - 1)), MARKERS[(place + i) % len(MARKERS)])
     return looks
+
+
+def step_number(step: str) -> float:
+    return float(step.rpartition("=")[2]) if step else 0.0
+
+
+def legend_of(points: Sequence[Point], looks: dict[str, Look]) -> dict[str, Look]:
+    """Of settings along lines, the lines by their colour and the steps by their marks."""
+    legend = {label: look for label, look in looks.items() if label == DEFAULT}
+    for point in sorted(points, key=lambda point: step_number(point.step)):
+        look = looks[point.label]
+        legend |= {f"{point.knob}:": Look(look.colour, "s"), point.step: Look(NEUTRAL_INK, look.marker, filled=False)} if point.step else {point.label: look}
+    return {label: look for wanted in (True, False) for label, look in legend.items() if (label.endswith(":") or label == DEFAULT) == wanted}
 
 
 def precision_figure(panels: dict[tuple[str, str], list[Point]]) -> Figure:
@@ -48,7 +66,7 @@ def precision_figure(panels: dict[tuple[str, str], list[Point]]) -> Figure:
     for row, scene in enumerate(scenes):
         for column, kind in enumerate(kinds):
             draw_panel(grid[row, column], panels.get((scene, kind), []), looks, zero)
-            grid[row, column].set_title(f"{shortened(scene)}, {kind}", loc="left")
+            grid[row, column].set_title(f"{shortened(scene)}, {'its own rays' if kind == 'case' else kind}", loc="left")
     for axes in grid.flat:
         axes.set_xlim(zero - 0.4, high + 0.2)
         decades = list(range(high, low - 1, -max(1, math.ceil((high - low) / 3))))[::-1]
@@ -59,7 +77,8 @@ def precision_figure(panels: dict[tuple[str, str], list[Point]]) -> Figure:
         axes.set_xlabel("wrong answers per ray")
     for axes in grid[:, 0]:
         axes.set_ylabel("million rays per second")
-    add_legend(figure, list(looks), looks)
+    legend = legend_of(everything, looks)
+    add_legend(figure, list(legend), legend)
     return figure
 
 

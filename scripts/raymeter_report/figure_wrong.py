@@ -26,7 +26,7 @@ def wrong_answers(cells: Sequence[Cell]) -> dict[tuple[str, str], dict[str, Wron
     """By scene and ray kind, then by technique; nothing where fewer than two techniques were checked or none erred. Hard cases have a table of their own."""
     panels: dict[tuple[str, str], dict[str, Wrong]] = {}
     for cell in cells:
-        error = error_rate(cell) if not cell.frame and cell.summary["rays"] != "case" else None
+        error = error_rate(cell) if not cell.frame and cell.summary["rays"] != "case" and ":offset=" not in cell.rays else None
         if error is None:
             continue
         of_panel = panels.setdefault((cell.scene, cell.rays), {})

@@ -1,15 +1,16 @@
 """Speed against error of settings that may give wrong answers, and what the robust tests cost beside the weak ones."""
 
+import math
 from collections import Counter, defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .cells import Cell, at_setting, finite, main_setting, parse_params, slots_of
 from .peer import Ratio, ratio_of
 from .records import Value
 from .table import SETTING_TITLES, Column, Field, Table, number_field, setting_field
 
-ROBUST = {"box_test": "padded", "triangle_test": "woop_kahan", "sphere_test": "robust"}
+ROBUST = {"box_test": "padded", "box_bounds": "padded", "reciprocal": "divide", "triangle_test": "woop_kahan", "sphere_test": "robust"}
 DEFAULT = "usual setting"
 
 Setting = dict[tuple[str, str], str]  # (what stands in a slot, its parameter) -> value
@@ -22,6 +23,7 @@ class Point:
     cell: Cell
     knob: str
     label: str
+    step: str  # the number that the knob's line goes along, where there is one
     error: float  # wrong answers a ray
     speed: float  # Mrays/s
     slow: float | None
@@ -46,39 +48,79 @@ def setting_of(cell: Cell) -> Setting:
 
 
 def usual(cells: Sequence[Cell]) -> Setting:
-    """The value that most cells have of each parameter that most cells have; of what stands before a structure, that all have: without it is usual, too."""
+    """The value that most cells have of each parameter that most cells have, of tests the robust one where some cell has only those; of what stands before a
+    structure, that all have: without it is usual, too."""
     structures = {cell.technique[0] for cell in cells}
     values: dict[tuple[str, str], Counter[str]] = defaultdict(Counter)
     for cell in cells:
         for key, value in setting_of(cell).items():
             values[key][value] += 1
     least = {key: len(cells) // 2 + 1 if key[0] in structures else len(cells) for key in values}
-    return {key: count.most_common(1)[0][0] for key, count in values.items() if count.total() >= least[key]}
+    found = {key: count.most_common(1)[0][0] for key, count in values.items() if count.total() >= least[key]}
+    robust = {key for cell in cells if not is_weak(cell) for key in setting_of(cell)}
+    return {key: ROBUST.get(key[1], value) if robust else value for key, value in found.items() if not robust or key in robust}
 
 
-def turned(setting: Setting, base: Setting) -> tuple[str, str]:
-    """The knob that tells a setting from the usual one, and its value; all of them where several do."""
+def is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def turned(setting: Setting, base: Setting) -> tuple[str, str, str]:
+    """The knob that tells a setting from the usual one, and its value; all of them where several do. Of several the one number, as it is told, is the step
+    along the line that the others are."""
     changed = [(key, value) for key, value in setting.items() if base.get(key) != value]
     if not changed:
-        return "", DEFAULT
+        return "", DEFAULT, ""
+    numbers = [pair for pair in changed if is_number(pair[1])]
+    if len(changed) > 1 and len(numbers) == 1:
+        line = ", ".join(f"{key[1]}={value}" for key, value in changed if not is_number(value))
+        (_, key), value = numbers[0]
+        return line, f"{line}, {key}={value}", f"{key}={value}"
     slot, key = changed[0][0]
     knob = key if (slot, key) in base else slot
-    return knob, ", ".join(f"{key[1]}={value}" for key, value in changed)
+    return knob, ", ".join(f"{key[1]}={value}" for key, value in changed), ""
 
 
 def work_precision(cells: Sequence[Cell]) -> dict[tuple[str, str], list[Point]]:
     """By scene and ray kind, at the main setting; scenes in which nothing errs are left out where others do, and nothing is left where none does."""
-    timed = [cell for cell in cells if not cell.frame and not cell.is_peer and cell.number("mrays_per_s") is not None]
+    timed = [cell for cell in cells if not cell.frame and ":offset=" not in cell.rays and not cell.is_peer and cell.number("mrays_per_s") is not None]
     timed = [cell for cell in at_setting(timed, main_setting(timed)) if error_rate(cell) is not None]
     if not any(error_rate(cell) for cell in timed):
         return {}
     base = usual(timed)
     panels: dict[tuple[str, str], list[Point]] = defaultdict(list)
     for cell in timed:
-        knob, label = turned(setting_of(cell), base)
+        knob, label, step = turned(setting_of(cell), base)
         ends = [1e3 / time if time else None for time in (cell.number("ci_hi"), cell.number("ci_lo"))]
-        panels[cell.scene, cell.rays].append(Point(cell, knob, label, error_rate(cell) or 0.0, cell.number("mrays_per_s") or 0.0, *ends))
-    return panels
+        panels[cell.scene, cell.rays].append(Point(cell, knob, label, step, error_rate(cell) or 0.0, cell.number("mrays_per_s") or 0.0, *ends))
+    return lines_told_apart(panels)
+
+
+def stepped(panels: dict[tuple[str, str], list[Point]]) -> list[Setting]:
+    return [setting_of(point.cell) for of_panel in panels.values() for point in of_panel if point.step]
+
+
+def lines_told_apart(panels: dict[tuple[str, str], list[Point]]) -> dict[tuple[str, str], list[Point]]:
+    """The same points; lines along numbers are named by what tells them from each other alone."""
+    settings = stepped(panels)
+    values: dict[tuple[str, str], set[str | None]] = {key: {setting.get(key) for setting in settings} for setting in settings for key in setting}
+    differing = {key for key, of_key in values.items() if len(of_key) > 1}
+
+    def named(point: Point) -> Point:
+        line = ", ".join(f"{key[1]}={value}" for key, value in setting_of(point.cell).items() if key in differing and f"{key[1]}={value}" != point.step)
+        return replace(point, knob=line, label=f"{line}, {point.step}") if point.step and line else point
+
+    return {key: [named(point) for point in of_panel] for key, of_panel in panels.items()}
+
+
+def shared_by_lines(panels: dict[tuple[str, str], list[Point]]) -> str:
+    """What all settings along lines have that is not robust; empty without such lines."""
+    settings = stepped(panels)
+    shared = set.intersection(*(set(setting.items()) for setting in settings)) if settings else set()
+    return ", ".join(f"{key}={value}" for (_, key), value in sorted(shared) if ROBUST.get(key, value) != value)
 
 
 def front(points: Sequence[Point]) -> list[Point]:
@@ -103,7 +145,7 @@ def prices(cells: Sequence[Cell]) -> list[Price]:
     groups: dict[tuple[Value, ...], list[Cell]] = defaultdict(list)
     for cell in cells:
         if cell.state == "ok" and not cell.frame and not cell.is_peer and cell.number("median_ns_per_ray"):
-            build = tuple(sorted((key, value) for key, value in setting_of(cell).items() if key[1] not in ROBUST and key[1] != "precision"))
+            build = tuple(sorted((key, value) for key, value in setting_of(cell).items() if key[1] not in ROBUST and key[1] not in ("precision", "box_padding")))
             groups[(cell.run, cell.scene, cell.rays, *cell.setting, build)].append(cell)  # type: ignore[arg-type]
     found = []
     for group in groups.values():
@@ -119,7 +161,7 @@ def prices(cells: Sequence[Cell]) -> list[Price]:
 
 def tests_of(cell: Cell) -> str:
     params = parse_params(cell.technique[1])
-    return ", ".join(f"{key}={params[key]}" for key in (*ROBUST, "precision") if params.get(key, ROBUST.get(key)) != ROBUST.get(key))
+    return ", ".join(f"{key}={params[key]}" for key in (*ROBUST, "box_padding", "precision") if params.get(key, ROBUST.get(key)) != ROBUST.get(key))
 
 
 def price_table(cells: Sequence[Cell]) -> Table:

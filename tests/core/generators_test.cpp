@@ -41,9 +41,9 @@ Traced list_over(const Scene& scene) {
   return traced;
 }
 
-RaySet rays_of(const Scene& scene, RayKind kind, int threads = 1, std::uint64_t seed = 42) {
+RaySet rays_of(const Scene& scene, const RayRecipe& recipe, int threads = 1, std::uint64_t seed = 42) {
   const Traced list = list_over(scene);
-  return make_rays(scene, kind, {scene.camera, CameraConvention::pixel, 61, 45}, seed, *list.tracer, threads);
+  return make_rays(scene, recipe, {scene.camera, CameraConvention::pixel, 61, 45}, seed, *list.tracer, threads);
 }
 
 bool same_rays(const RaySet& a, const RaySet& b) {
@@ -111,6 +111,55 @@ TEST(Generators, EveryKindIsTheSameOnAnyNumberOfThreads) {
     EXPECT_EQ(ray_kind_from_name(name(kind)), kind);
   }
   EXPECT_EQ(ray_kind_from_name("primry"), std::nullopt);
+}
+
+TEST(Generators, RecipesAreReadAsTheyAreNamed) {
+  for (const char* text : {"diffuse", "diffuse:offset=bound", "shadow:offset=0.001", "ambient_occlusion:offset=16ulp", "reflection:offset=0"}) {
+    const auto recipe = ray_recipe_from_name(text);
+    ASSERT_TRUE(recipe.has_value()) << text;
+    EXPECT_EQ(name(*recipe), text);
+  }
+  EXPECT_EQ(name(*ray_recipe_from_name("diffuse:offset=1e-3")), "diffuse:offset=0.001");
+  for (const char* text :
+       {"primary:offset=1", "diffuse:offset=", "diffuse:offset=-1", "diffuse:offset=inf", "diffuse:offset=2ulps", "diffuse:ofset=1", "rays"}) {
+    EXPECT_FALSE(ray_recipe_from_name(text).has_value()) << text;
+  }
+}
+
+/// Two squares 0.01 apart, seen between them: rays that leave one meet the other, unless they begin beyond it.
+TEST(Generators, OffsetsLiftOriginsAndAreHeldAgainstTheBound) {
+  Scene scene;
+  for (const double z : {0.1, 0.11}) scene.add_polygon(std::array<glm::dvec3, 4>{{{-9, -9, z}, {9, -9, z}, {9, 9, z}, {-9, 9, z}}});
+  scene.camera = {{0, -8, 0.105}, {0, 0, 0.105}, {0, 0, 1}, 1, 0, 64, 64};
+  scene.finish();
+  const RaySet plain = rays_of(scene, RayKind::diffuse);
+  EXPECT_TRUE(plain.expected.prim.empty());
+  const Traced list = list_over(scene);
+  struct Rule {
+    const char* name;
+    float least, most;  ///< of the origins' distances from the surface
+  };
+  for (const Rule& rule : {Rule{"diffuse:offset=bound", 0, 1e-4f}, Rule{"diffuse:offset=0.005", 0.004999f, 0.005001f},
+                           Rule{"diffuse:offset=0.02", 0.01999f, 0.02001f}, Rule{"diffuse:offset=0", 0, 1e-8f}, Rule{"diffuse:offset=4096ulp", 0, 0.005f}}) {
+    const RaySet set = rays_of(scene, *ray_recipe_from_name(rule.name));
+    ASSERT_EQ(set.rays.size(), plain.rays.size()) << rule.name;
+    ASSERT_EQ(set.expected.prim.size(), set.rays.size()) << rule.name;
+    EXPECT_EQ(set.expected.excused, static_cast<std::int64_t>(set.rays.size()));
+    HitBatch hits;
+    trace_closest(*list.tracer, set.rays, hits, 1);
+    std::size_t wrong = 0, self = 0;
+    for (std::size_t i = 0; i < set.rays.size(); ++i) {
+      const std::int32_t source = set.expected.source[i];
+      const float lift = std::abs(set.rays[i].org[2] - (source == 0 ? 0.1f : 0.11f));
+      EXPECT_TRUE(lift >= rule.least && lift <= rule.most) << rule.name << ' ' << lift;
+      wrong += hits.prim[i] != set.expected.prim[i] ? 1 : 0;
+      self += hits.prim[i] == source ? 1 : 0;
+    }
+    const bool right = rule.most < 0.01f && rule.most > 1e-7f;
+    EXPECT_EQ(wrong > 0, !right) << rule.name;
+    EXPECT_EQ(self > 0, rule.most <= 1e-7f) << rule.name;
+  }
+  EXPECT_TRUE(same_rays(plain, rays_of(scene, *ray_recipe_from_name("diffuse:offset=bound"))));
 }
 
 TEST(Generators, ShadowRaysEndOneUlpBelowTheirLightAndStartOnTheEyesSide) {

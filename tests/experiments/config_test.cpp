@@ -75,9 +75,12 @@ TEST(Config, SaysWhichValueIsWrong) {
   EXPECT_EQ(message(config(R"(, "occlusion": ["none", "nune"])")),
             "c.json: matrix.occlusion[1]: expected one of none, shadow_cache or an object, got \"nune\"; did you mean none?");
   EXPECT_EQ(message(config(R"(, "max_depth": 101)")), "c.json: matrix.max_depth: expected a whole number from 1 to 100, got 101");
-  EXPECT_EQ(message(config(R"(, "rays": "images")")),
-            "c.json: matrix.rays: expected one of primary, shadow, reflection, ambient_occlusion, diffuse, random, vertices, edges, faces, invalid, case, "
-            "image or a .npy file or an object, got \"images\"; did you mean image?");
+  EXPECT_EQ(
+      message(config(R"(, "rays": "images")")),
+      "c.json: matrix.rays: expected one of primary, shadow, reflection, ambient_occlusion, diffuse, random, vertices, edges, faces, invalid, case, "
+      "image or secondary rays with the offset of their origins, as diffuse:offset=1e-4 or a .npy file or an object, got \"images\"; did you mean image?");
+  EXPECT_EQ(message(config(R"(, "rays": "diffuse:offset=1e")")), "c.json: matrix.rays: diffuse:offset=1e: expected an offset such as bound, 1e-4 or 16ulp");
+  EXPECT_EQ(message(config(R"(, "rays": ["diffuse:offset=1e-4", "shadow:offset=16ulp", "reflection:offset=bound"])")), "no error");
   EXPECT_EQ(message(config(R"(, "rays": "absent.npy")")), "c.json: matrix.rays: absent.npy cannot be read");
   EXPECT_EQ(message(config("", R"(, "measure": {"order": "random"})")), "c.json: measure.order: expected interleaved, got \"random\"");
   EXPECT_EQ(message(config("", R"(, "verify": {"oracle": "yes"})")), "c.json: verify.oracle: expected true or false, got \"yes\"");

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "accel/registry.h"
 #include "core/base/error.h"
 #include "experiments/config/expand.h"
@@ -25,7 +27,7 @@ TEST(UsedParams, AreAllThatIsResolved) {
             "volume=aabb,builder=goldsmith_salmon,traversal=auto,group=256,max_leaf_size=8,insertion_order=file,inherited=true,leaf_boxes=true,reinsertion=0");
   EXPECT_EQ(params_text(parse_technique("bvh:builder=goldsmith_salmon,insertion_order=file,traversal=packet").params),
             "volume=aabb,builder=goldsmith_salmon,traversal=packet,insertion_order=file,inherited=true,leaf_boxes=true,reinsertion=0,width=0,box_test=padded,"
-            "triangle_test=woop_kahan,sphere_test=robust");
+            "box_bounds=padded,reciprocal=divide,triangle_test=woop_kahan,sphere_test=robust");
 }
 
 TEST(UsedParams, BringPacketsWhereNothingElseServes) {
@@ -84,6 +86,15 @@ TEST(UsedParams, PacketsAndTheHeapShareABuildAndBeamsAndStreamsAnother) {
   EXPECT_EQ(build_text(all[1]), build_text(all[0]));
   EXPECT_EQ(build_text(all[2]), "bvh:volume=aabb,builder=binned_sah,traversal=beam|stream|single|auto,bins=32,max_leaf_size=8,node_cost=1,reinsertion=0");
   EXPECT_EQ(build_text(all[3]), build_text(all[2]));
+}
+
+TEST(UsedParams, ChoicesOfAQueryOutsideItsGroupsHaveBuildsOfTheirOwn) {
+  const std::vector<Experiment> all =
+      cells(R"({"name": "bvh", "traversal": "packet", "triangle_test": ["woop_kahan", "pluecker", "baldwin_weber"], "box_bounds": ["padded", "tight"]})");
+  ASSERT_EQ(all.size(), 6u);
+  std::set<std::string> builds;
+  for (const Experiment& cell : all) builds.insert(build_text(cell));
+  EXPECT_EQ(builds.size(), 4u) << "as usual, tight, with maps, both";
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run  # noqa: F401: puts the report on the path
-from raymeter_report import cells, drafts, figure_precision, figure_wrong, style, work_precision
+from raymeter_report import cells, drafts, drafts_numerics, figure_offsets, figure_precision, figure_wrong, style, work_precision
 
 USUAL = "volume=aabb,box_test=padded,triangle_test=woop_kahan,sphere_test=robust"
 
@@ -40,6 +40,21 @@ class WorkPrecision(unittest.TestCase):
         self.assertEqual(points[1].label, "box_test=unpadded")
         self.assertEqual([point.error for point in points], [0.0, 3e-4, 9e-4, 0.13])
 
+    def test_the_number_among_several_is_the_step_along_a_line(self) -> None:
+        unpadded = USUAL.replace("box_test=padded", "box_test=unpadded,box_padding={},reciprocal={}")
+        turned = (("0", "newton", 300.0), ("2", "newton", 40.0), ("12", "newton", 0.0), ("0", "divide", 90.0))
+        found = [cell(USUAL, [50.0]), *(cell(unpadded.format(padding, reciprocal), [48.0], wrong) for padding, reciprocal, wrong in turned)]
+        panels = work_precision.work_precision(found)
+        points = panels["s", "vertices"]
+        self.assertEqual([point.step for point in points], ["", "box_padding=0", "box_padding=2", "box_padding=12", "box_padding=0"])
+        self.assertEqual([point.knob for point in points[1:]], ["reciprocal=newton"] * 3 + ["reciprocal=divide"])
+        self.assertEqual(work_precision.shared_by_lines(panels), "box_test=unpadded")
+        with style.styled():
+            figure = figure_precision.precision_figure(panels)
+        texts = [text.get_text() for text in figure.legends[0].get_texts()]
+        steps = ["box_padding=0", "box_padding=2", "box_padding=12"]
+        self.assertEqual(texts, [work_precision.DEFAULT, "reciprocal=newton:", "reciprocal=divide:", *steps])
+
     def test_a_slot_that_most_cells_lack_is_a_knob(self) -> None:
         found = [*some_cells(), cell(USUAL, [30.0], 9.0, first_hit="zbuffer:mode=final")]
         self.assertEqual([(p.knob, p.label) for p in work_precision.work_precision(found)["s", "vertices"]][-1], ("zbuffer", "mode=final"))
@@ -57,6 +72,21 @@ class WorkPrecision(unittest.TestCase):
         self.assertEqual(work_precision.work_precision([cell(USUAL, [50.0])]), {})
         self.assertIsNone(drafts.precision_draft([cell(USUAL, [50.0])]))
         self.assertIsNone(drafts.price_draft([cell(USUAL, [50.0])]))
+
+    def test_rules_of_origins_are_drawn_by_what_goes_wrong(self) -> None:
+        found = [cell(USUAL, [50.0, 51.0], wrong, rays=f"diffuse:offset={rule}") for rule, wrong in (("bound", 0.0), ("0.01", 90.0), ("1e-06", 40.0), ("16ulp", 0.0))]
+        found[2].accuracy["self_hits"] = 30.0
+        self.assertEqual(work_precision.work_precision(found), {})
+        lifted = figure_offsets.lifted_rays(found)["s", "diffuse"]
+        self.assertEqual([one.rule for one in lifted], ["1e-06", "0.01", "16ulp", "bound"])
+        self.assertAlmostEqual(lifted[0].self_hits, 3e-5)
+        self.assertAlmostEqual(lifted[0].others or 0.0, 1e-5)
+        self.assertIsNone(lifted[3].others)
+        with style.styled():
+            draft = drafts_numerics.offsets_draft(found)
+        assert draft is not None
+        self.assertEqual([label.get_text() for label in draft.figure.axes[0].get_yticklabels()], ["fixed 1e-6", "fixed 0.01", "16 ulp", "proven bound"])
+        self.assertIsNone(drafts_numerics.offsets_draft(found[:1]))
 
     def test_wrong_answers_are_the_worst_of_each_technique(self) -> None:
         found = [cell(USUAL, [50.0]), cell(USUAL, [50.0], 30.0), cell(USUAL.replace("aabb", "kdop"), [50.0])]
