@@ -26,7 +26,7 @@ void expect_ancestors_hold(const V& volume, const Scene& scene) {
   for (const char* technique : {"bvh:builder=binned_sah", "bvh:builder=goldsmith_salmon"}) {
     const BvhTree tree = build_bvh_tree(scene, raymeter::bind<BvhParams>(parse_technique(technique).params), 1);
     const FlatTree flat = flatten(tree);
-    const auto bounds = link_bounds(volume, scene, tree, flat, 1);
+    const auto bounds = link_bounds(volume, scene, tree, flat, false, 1);
     for (std::size_t i = 0; i < bounds.size(); ++i) {
       const FlatTree::Source& source = flat.sources[i];
       for (int point = 0; source.node >= 0 && point < 3; ++point) {
@@ -70,7 +70,7 @@ void expect_large_nodes_are_merged(const V& volume, const Scene& scene) {
   const BvhTree tree = build_bvh_tree(scene, BvhParams(), 2);
   const FlatTree flat = flatten(tree);
   std::atomic<std::size_t> most_fitted = 0;
-  const auto bounds = link_bounds(Watched<V>(volume, most_fitted), scene, tree, flat, 2);
+  const auto bounds = link_bounds(Watched<V>(volume, most_fitted), scene, tree, flat, false, 2);
   EXPECT_GT(most_fitted, 1000u);
   EXPECT_LE(most_fitted, static_cast<std::size_t>(kMostFitted));
   int merged = 0;
