@@ -3,12 +3,12 @@
 // The beams of a packet, of sixteen rays each, side by side in registers: one pass says which of them a primitive is outside of.
 
 #include "accel/beam_kernel.h"
+#include "accel/beam_layout.h"
 #include "core/scene/pools_view.h"
 #include "core/scene/primitive.h"
 
 namespace raymeter {
 
-inline constexpr int kBeamRays = 16;
 inline constexpr int kBeams = kMaxPacket / kBeamRays;
 
 /// Each beam has four lines: below and above its rays on the one axis across, then on the other. They stand in the lanes of registers, pointing outwards: a

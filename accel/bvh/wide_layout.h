@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "accel/beam_layout.h"
 #include "core/geometry/primitive_run.h"
 #include "core/scene/pools_view.h"
 
@@ -41,7 +42,6 @@ struct alignas(64) TriangleBlock {
 };
 static_assert(sizeof(TriangleBlock) == 256);
 
-inline constexpr int kBeamRays = 16;       ///< in a beam, at most
 inline constexpr int kMaxGroupRays = 256;  ///< in beams that go down together
 
 /// Node 0 is the root; its eight places may hold anything, also nothing.

@@ -222,8 +222,7 @@ TEST(ShadowCacheParameters, SayWhatIsWrong) {
   EXPECT_EQ(message("bvh+shadow_cache:key=lamp"), "shadow_cache:key: expected one of light, light_object, light_tree, got 'lamp'");
   EXPECT_EQ(message("bvh+shadow_cache:update=serial,batch=2"),
             "shadow_cache:batch: does nothing beside the other parameters, expected its default, 512, got 2 (rays of a batch, in images within a tile of 4096 "
-            "pixels: fewer learn sooner, "
-            "more share packets and threads)");
+            "pixels: fewer learn sooner, more share packets and threads)");
   EXPECT_EQ(message("bvh+shadow_cache:batch=0"), "shadow_cache:batch: expected a whole number from 1 to 1048576, got 0");
 }
 
