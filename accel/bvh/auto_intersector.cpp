@@ -15,7 +15,10 @@ constexpr int kLeastOfOctant = 8;
 /// Beams of fewer rays, or of less than a register, lose to streams.
 constexpr int kLeastBeam = 8;
 /// Beams lose to streams where they meet this many times as many leaves as one of their rays, by query: rays that any hit ends part sooner.
-constexpr double kMostLeaves[2] = {3, 1.25};
+constexpr double kMostLeaves[2] = {3, 1.1};
+/// Nearest hits: beams may meet more leaves where they share their way down, in groups no wider than this share of the scene.
+constexpr double kMostLeavesOfSlim = 5;
+constexpr double kSlimGroupWidth = 0.04;
 
 /// Whether the rays are too few to make groups of one octant.
 bool is_sparse(const RayView& rays) noexcept {
@@ -36,8 +39,14 @@ AutoIntersector::AutoIntersector(Traversals traversals, int packet, int simd_wid
 
 AutoIntersector::Choice AutoIntersector::chosen_for(const RayView& slice, Query query) const noexcept {
   if (packet_ < kLeastRays || slice.count < kLeastRays) return single;
-  if (packet_ >= least_beam_ && leaves_per_ray(slice, box_.data(), leaves_) < kMostLeaves[static_cast<int>(query)]) return beam;
+  if (packet_ >= least_beam_ && suits_beams(slice, query)) return beam;
   return is_sparse(slice) ? single : stream;
+}
+
+bool AutoIntersector::suits_beams(const RayView& slice, Query query) const noexcept {
+  const double leaves = leaves_per_ray(slice, box_.data(), leaves_);
+  if (leaves < kMostLeaves[static_cast<int>(query)]) return true;
+  return query == Query::closest && leaves < kMostLeavesOfSlim && group_width(slice, box_.data()) < kSlimGroupWidth;
 }
 
 const Intersector& AutoIntersector::of(Choice choice) const noexcept {

@@ -27,6 +27,7 @@ public:
 
 private:
   enum Choice : unsigned { single = 1, beam = 2, stream = 4 };
+  [[nodiscard]] bool suits_beams(const RayView& slice, Query query) const noexcept;
   [[nodiscard]] Choice chosen_for(const RayView& slice, Query query) const noexcept;
   [[nodiscard]] const Intersector& of(Choice choice) const noexcept;
   /// The traversal chosen, and that it was.

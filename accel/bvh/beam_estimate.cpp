@@ -10,8 +10,7 @@ namespace raymeter {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr int kSamples = 4;                               ///< groups of a slice, and rays of a group
-constexpr int kApart = (kBeamRays - 1) / (kSamples - 1);  ///< of a square of pixels the diagonal: as wide as all of it
+constexpr int kSamples = 4;  ///< groups of a slice, and rays of a group
 
 /// Some rays of a group: origins, unit directions and lengths of their intervals, in columns.
 struct Sample {
@@ -22,10 +21,11 @@ struct Sample {
   int count = 0;
 };
 
-Sample sample_of(const RayView& rays, std::int32_t first) noexcept {
+/// Of `group` rays from `first` on: of a square of pixels the diagonal, as wide as all of it.
+Sample sample_of(const RayView& rays, std::int32_t first, int group) noexcept {
   Sample sample;
   for (int s = 0; s < kSamples; ++s) {
-    const std::int32_t i = first + s * kApart;
+    const std::int32_t i = first + s * (group - 1) / (kSamples - 1);
     if (i >= rays.count) break;
     const double x{rays.dir[0][i]}, y{rays.dir[1][i]}, z{rays.dir[2][i]};
     const double length2 = x * x + y * y + z * z;
@@ -53,20 +53,26 @@ std::array<double, 3> mean(const double (&column)[3][kSamples], int count) noexc
   return sum;
 }
 
-/// Half-way between both ends of the mean ray's part inside the box; negative where there is none.
-double half_way(const Sample& sample, const std::array<double, 3>& org, const std::array<double, 3>& dir, const float* box) noexcept {
-  double begin = std::max(sample.begin, 0.0), end = sample.end;
+/// The mean ray of a sample and the distances between which it is inside the box; begin > end where it is not.
+struct MeanRay {
+  std::array<double, 3> org, dir;
+  double begin, end;
+};
+
+MeanRay mean_ray(const Sample& sample, const float* box) noexcept {
+  MeanRay ray{mean(sample.org, sample.count), mean(sample.dir, sample.count), std::max(sample.begin, 0.0), sample.end};
   for (std::size_t a = 0; a < 3; ++a) {
-    const double per_dir = 1 / dir[a];
-    const double first = (double{box[a]} - org[a]) * per_dir, last = (double{box[a + 3]} - org[a]) * per_dir;
-    begin = std::max(begin, std::min(first, last));  // NaN drops out
-    end = std::min(end, std::max(first, last));
+    const double per_dir = 1 / ray.dir[a];
+    const double first = (double{box[a]} - ray.org[a]) * per_dir, last = (double{box[a + 3]} - ray.org[a]) * per_dir;
+    ray.begin = std::max(ray.begin, std::min(first, last));  // NaN drops out
+    ray.end = std::min(ray.end, std::max(first, last));
   }
-  return begin <= end ? 0.5 * (begin + end) : -1.0;
+  return ray;
 }
 
 /// The side of a square that would scatter as the rays do, across their mean direction, at a distance.
-double width_at(const Sample& sample, const std::array<double, 3>& org, const std::array<double, 3>& dir, double distance) noexcept {
+double width_at(const Sample& sample, const MeanRay& ray, double distance) noexcept {
+  const auto& [org, dir, begin, end] = ray;
   const double length2 = dir[0] * dir[0] + dir[1] * dir[1] + dir[2] * dir[2];
   double across2 = 0;
   for (int s = 0; s < sample.count; ++s) {
@@ -106,16 +112,27 @@ double leaves_per_ray(const RayView& slice, const float* box, const LeafSizes& l
   const std::int32_t taken = std::min<std::int32_t>(groups, kSamples);
   double sum = 0, counted = 0;
   for (std::int32_t g = 0; g < taken; ++g) {
-    const Sample sample = sample_of(slice, g * groups / taken * kBeamRays);
+    const Sample sample = sample_of(slice, g * groups / taken * kBeamRays, kBeamRays);
     if (sample.count == 0) continue;
-    const std::array<double, 3> org = mean(sample.org, sample.count), dir = mean(sample.dir, sample.count);
-    const double distance = half_way(sample, org, dir, box);
-    const double width = distance >= 0 ? width_at(sample, org, dir, distance) : 0;  // a beam beside the box ends at once, as its rays do
+    const MeanRay ray = mean_ray(sample, box);
+    const double width = ray.begin <= ray.end ? width_at(sample, ray, 0.5 * (ray.begin + ray.end)) : 0;  // a beam beside the box ends at once, as its rays do
     const double met = 1 + width * (leaves.per_width + width * leaves.per_area);
     sum += met < kMost ? met : kMost;
     counted += 1;
   }
   return counted > 0 ? sum / counted : kMost;
+}
+
+double group_width(const RayView& slice, const float* box) noexcept {
+  double widest = 0, extent = 0;
+  for (int a = 0; a < 3; ++a) extent = std::max(extent, double{box[a + 3]} - double{box[a]});
+  for (std::int32_t first = 0; first < slice.count; first += kMaxGroupRays) {
+    const Sample sample = sample_of(slice, first, kMaxGroupRays);
+    if (sample.count == 0) continue;
+    const MeanRay ray = mean_ray(sample, box);
+    if (ray.begin <= ray.end) widest = std::max({widest, width_at(sample, ray, ray.begin), width_at(sample, ray, ray.end)});
+  }
+  return extent > 0 ? widest / extent : 0;
 }
 
 }  // namespace raymeter

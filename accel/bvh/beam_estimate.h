@@ -22,4 +22,8 @@ struct LeafSizes {
 /// that are no rays do not count.
 [[nodiscard]] double leaves_per_ray(const RayView& slice, const float* box, const LeafSizes& leaves) noexcept;
 
+/// How wide the groups of 256 rays are whose beams go down together: the widest of a slice, where it begins or ends inside the box, relative to the box's
+/// longest side. From four rays each.
+[[nodiscard]] double group_width(const RayView& slice, const float* box) noexcept;
+
 }  // namespace raymeter

@@ -58,6 +58,23 @@ TEST(BeamEstimate, ComparesABeamsWidthHalfWayWithLeaves) {
   EXPECT_EQ(leaves_per_ray(opposite.view(), kBox, leaves), kBeamRays);
 }
 
+TEST(BeamEstimate, FindsTheWidestGroupOfASlice) {
+  RayBatch rays;  // two groups of 16 x 16 pixels each, seen from 5 away; the box, of side 2, ends 6 away
+  for (const double pixel : {0.001, 0.002}) {
+    for (int i = 0; i < 256; ++i) {
+      const int x = 4 * (i / 16 % 4) + i % 4, y = 4 * (i / 64) + i / 4 % 4;
+      rays.push_back(test::make_ray({0, 0, -5}, {pixel * (x - 7.5), pixel * (y - 7.5), 1}));
+    }
+  }
+  const double width = 6 * 0.001 * std::sqrt(6 * 2 * 31.25);  // the diagonal's pixels 0, 5, 10 and 15 have a variance of 31.25 on each axis
+  EXPECT_NEAR(group_width(rays.view(0, 256), kBox), width / 2, 1e-4);
+  EXPECT_NEAR(group_width(rays.view(), kBox), width, 1e-3);
+  EXPECT_EQ(group_width(RayBatch().view(), kBox), 0);
+  RayBatch beside;
+  for (int i = 0; i < 256; ++i) beside.push_back(test::make_ray({0, 0, 5.0 + i}, {0, 0, 1}));
+  EXPECT_EQ(group_width(beside.view(), kBox), 0);
+}
+
 TEST(BeamEstimate, LeavesOutWhatIsNoRay) {
   RayBatch rays = fan(16, 0, 1);
   rays.set(5, test::make_ray({0, 0, 0}, {0, 0, 0}));
@@ -70,7 +87,7 @@ TEST(AutoTraversal, ChoosesForEachSliceAndSaysWhat) {
   const Scene& scene = test::scene_named("mixed");
   const TechniqueSpec spec = parse_technique("bvh");
   const auto structure = spec.structure->build(scene, spec.params, 1);
-  const RayBatch near = fan(1024, 0.001, 1), wide = fan(1024, 2, 1);
+  const RayBatch near = fan(1024, 0.0001, 1), wide = fan(1024, 2, 1);
   RayBatch both = near;
   both.append(wide);
   const auto choice = [&](const RayBatch& rays, int packet) {
