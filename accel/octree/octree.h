@@ -22,6 +22,8 @@ struct OctreeParams {
   std::string root = "box";
   double growth = 0.001;
   double cone_padding = 0;
+  double triangle_padding = 0;
+  std::string padding_sides = "both";
   int budget = 32;
   std::string tracking = "parametric";
   std::string start = "t_min";
@@ -77,6 +79,12 @@ struct OctreeParams {
         where<OctreeParams>(
             [](const OctreeParams& p) { return p.placement == "box"; },
             Field{"cone_padding", &OctreeParams::cone_padding, "of the boxes of cones and cylinders on all sides, in units of the scene", 0, 1e6}),
+        where<OctreeParams>(
+            [](const OctreeParams& p) { return p.placement == "box"; },
+            Field{"triangle_padding", &OctreeParams::triangle_padding, "of the boxes of triangles on all sides, in units of the scene", 0, 1e6}),
+        where<OctreeParams>(
+            [](const OctreeParams& p) { return p.placement == "box" && (p.cone_padding > 0 || p.triangle_padding > 0); },
+            Field{"padding_sides", &OctreeParams::padding_sides, "sides of boxes that are padded: all, or the low ones", 0, 0, {"both", "low"}}),
         Field{"budget", &OctreeParams::budget, "references per primitive at most; small scenes get those of 1024", 1, 65536},
         Field{"tracking", &OctreeParams::tracking, "how a ray finds its next cell", 0, 0, {"parametric", "point_location", "neighbour"}, ParamUse::query},
         Field{"start",

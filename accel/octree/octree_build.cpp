@@ -75,10 +75,8 @@ private:
     });
     Aabb all;
     for (const Aabb& box : boxes_) all.grow(box);
-    const glm::vec3 padding(static_cast<float>(params_.cone_padding));
-    for (std::size_t e = 0; e < count && params_.cone_padding > 0; ++e) {
-      if (draft_.entries[e].kind() == PrimKind::cone) boxes_[e] = {boxes_[e].min - padding, boxes_[e].max + padding};
-    }
+    pad_boxes(PrimKind::cone, params_.cone_padding);
+    pad_boxes(PrimKind::triangle, params_.triangle_padding);
     BuildCell root;
     const glm::dvec3 extent = count > 0 ? glm::dvec3(all.max) - glm::dvec3(all.min) : glm::dvec3(0.0);
     const double largest = std::max({extent.x, extent.y, extent.z});
@@ -102,6 +100,15 @@ private:
     cells_ = {root};
     refs_.resize(count);
     for (std::size_t e = 0; e < count; ++e) refs_[e] = static_cast<std::uint32_t>(e);
+  }
+
+  void pad_boxes(PrimKind kind, double padding) {
+    if (padding == 0) return;
+    const glm::vec3 low(static_cast<float>(padding));
+    const glm::vec3 high = params_.padding_sides == "both" ? low : glm::vec3(0.0F);
+    for (std::size_t e = 0; e < boxes_.size(); ++e) {
+      if (draft_.entries[e].kind() == kind) boxes_[e] = {boxes_[e].min - low, boxes_[e].max + high};
+    }
   }
 
   /// Divides the cells of one level or makes leaves of them.
