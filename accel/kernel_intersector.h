@@ -7,7 +7,7 @@ namespace raymeter {
 
 /// Runs a kernel set over a structure's view. The structure must outlive it.
 template <class View>
-class KernelIntersector final : public Intersector {
+class KernelIntersector : public Intersector {
 public:
   KernelIntersector(const View& view, const KernelSet<View>& kernels, int packet, std::size_t scratch_bytes = 0)
       : view_(view), kernels_(kernels), packet_(packet), scratch_bytes_(scratch_bytes) {}
@@ -22,8 +22,10 @@ public:
     kernel(view_, {rays, {}, blocker, packet_, scratch}, counters);
   }
 
-private:
+protected:
   View view_;
+
+private:
   KernelSet<View> kernels_;
   int packet_;
   std::size_t scratch_bytes_;

@@ -6,8 +6,10 @@
 
 namespace raymeter {
 
-/// The parameters whose defaults give right answers and other values give them up for speed: tests (core/geometry/weak_tests.h), how much of a list is tested.
-inline constexpr std::string_view kTestParams[] = {"box_test", "box_padding", "box_bounds", "reciprocal", "triangle_test", "sphere_test", "most_candidates"};
+/// The parameters whose defaults give right answers and other values give them up for speed: tests (core/geometry/weak_tests.h), when planes of cells are
+/// crossed, how much of a list is tested.
+inline constexpr std::string_view kTestParams[] = {"box_test",      "box_padding", "box_bounds", "reciprocal",
+                                                   "triangle_test", "sphere_test", "dda",        "most_candidates"};
 
 /// Whether a setting's answers are listed rather than held to ours, bit for bit: those of a peer from outside, or of weak tests.
 [[nodiscard]] inline bool answers_for_itself(const StructureEntry& entry, const ParamValues& values) {

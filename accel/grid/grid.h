@@ -18,6 +18,7 @@ struct GridParams {
   double margin = 1.0 / 512;
   bool mailbox = true;
   std::string traversal = "lanes";
+  std::string dda = "recompute";
   std::string start = "t_min";
   std::string blocker = "first";
 
@@ -41,6 +42,14 @@ struct GridParams {
         Field{"margin", &GridParams::margin, "share of a cell that its list reaches beyond it at least; rays from far away need more", 0, 0.25},
         Field{"mailbox", &GridParams::mailbox, "test hardly any primitive twice for one ray", 0, 0, {}, ParamUse::query},
         Field{"traversal", &GridParams::traversal, "lanes step each on its own, or packets go slice by slice", 0, 0, {"lanes", "slices"}, ParamUse::query},
+        where<GridParams>([](const GridParams& p) { return p.traversal == "lanes"; },
+                          Field{"dda",
+                                &GridParams::dda,
+                                "where the next plane's t comes from: its index (recompute and divide, which lose nothing; fma) or a sum of steps",
+                                0,
+                                0,
+                                {"recompute", "divide", "fma", "accumulate", "compensated"},
+                                ParamUse::query}),
         where<GridParams>([](const GridParams& p) { return p.traversal == "lanes"; },
                           Field{"start",
                                 &GridParams::start,

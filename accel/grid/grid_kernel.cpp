@@ -15,20 +15,8 @@ namespace raymeter {
 namespace {
 
 template <Query Q, class L, class Stats>
-void trace_by_lanes(const GridView& grid, const TraceArgs& args, Stats stats) noexcept {
-  with_groups<L>(args.packet, [&]<int kGroups>() noexcept {
-    for_each_packet<Q, L, kGroups>(args, [&](Packet<L, kGroups>& packet) noexcept {
-      if (Q == Query::any && !grid.nearest_blocker)
-        traverse_by_lanes<Query::any, L, kGroups>(grid, packet, stats);
-      else
-        traverse_by_lanes<Query::closest, L, kGroups>(grid, packet, stats);
-    });
-  });
-}
-
-template <Query Q, class L, class Stats>
 void trace_by_slices(const GridView& grid, const TraceArgs& args, Stats stats) noexcept {
-  if (args.packet == 1) return trace_by_lanes<Q, L>(grid, args, stats);  // a beam around one ray shares nothing
+  if (args.packet == 1) return trace_by_lanes<Q, L, DdaForm::recompute>(grid, args, stats);  // a beam around one ray shares nothing
   const std::int32_t in_beam = args.packet < kBeamRays ? args.packet : kBeamRays;
   with_groups<L>(in_beam, [&]<int kGroups>() noexcept { trace_slices<Q, L, kGroups>(grid, args, stats); });
 }
@@ -37,12 +25,12 @@ void trace_by_slices(const GridView& grid, const TraceArgs& args, Stats stats) n
 
 template <Isa I, class Stats>
 void GridLanesKernel<I, Stats>::closest(const GridView& grid, const TraceArgs& args, Counters* counters) noexcept {
-  trace_by_lanes<Query::closest, Lanes<I>>(grid, args, Stats(counters));
+  trace_by_lanes<Query::closest, Lanes<I>, DdaForm::recompute>(grid, args, Stats(counters));
 }
 
 template <Isa I, class Stats>
 void GridLanesKernel<I, Stats>::any(const GridView& grid, const TraceArgs& args, Counters* counters) noexcept {
-  trace_by_lanes<Query::any, Lanes<I>>(grid, args, Stats(counters));
+  trace_by_lanes<Query::any, Lanes<I>, DdaForm::recompute>(grid, args, Stats(counters));
 }
 
 template <Isa I, class Stats>

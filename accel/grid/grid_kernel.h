@@ -14,6 +14,20 @@ struct GridLanesKernel {
   static void any(const GridView& grid, const TraceArgs& args, Counters* counters) noexcept;
 };
 
+/// The same with the form of the DDA that the view names, other than the default.
+template <Isa I, class Stats>
+struct DdaFormsKernel {
+  static void closest(const GridView& grid, const TraceArgs& args, Counters* counters) noexcept;
+  static void any(const GridView& grid, const TraceArgs& args, Counters* counters) noexcept;
+};
+
+/// The cells that the same walk leads rays through, past all primitives. Those of ray i go to cells[i * stride ...], how many there are to count[i]: 0 where
+/// the ray is invalid or passes the grid by, kWalksEverywhere where it is tested against everything. `stride`: nx + ny + nz - 2 or more.
+template <Isa I>
+struct CellWalkKernel {
+  static void walk(const GridView& grid, const RayView& rays, std::int32_t stride, std::int32_t* cells, std::int32_t* count) noexcept;
+};
+
 /// Slice by slice: the beams of a packet go through the grid together.
 template <Isa I, class Stats>
 struct GridSlicesKernel {

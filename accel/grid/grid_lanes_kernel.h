@@ -11,12 +11,12 @@ namespace raymeter {
 /// A mailbox that needs no memory. A list holds the primitives whose boxes touch the cell; the cells that a box touches form a box, and a ray's steps on an
 /// axis all have one direction, so a ray is in them once, from the first to the last without a gap. A primitive that the cell left by the last step lists too
 /// was tested there or earlier; one that it does not list was not. The builder keeps with each reference which neighbours list the same primitive.
-template <class L>
+template <class L, DdaForm F>
 struct GridRefs {
   static constexpr bool kSelective = true;
   const std::uint32_t* list;
-  const GridWalk<L>* walk;  // [group]
-  std::uint32_t mailbox;    ///< neighbour bits to look at: all, or none to test whatever a cell lists
+  const GridWalk<L, F>* walk;  // [group]
+  std::uint32_t mailbox;       ///< neighbour bits to look at: all, or none to test whatever a cell lists
 
   [[nodiscard]] std::int32_t index(std::int32_t k) const noexcept { return static_cast<std::int32_t>(list[k] & GridRef::kIndexMask); }
   [[nodiscard]] typename L::Mask wanted(typename L::Mask lanes, int group, std::int32_t k) const noexcept {
@@ -38,8 +38,8 @@ inline std::uint32_t occupied_lanes(const GridView& grid, const std::int32_t* ce
 }
 
 /// Tests the rays of a packet against the lists of the cells in which they stand.
-template <Query Q, class L, int kGroups, class Stats>
-inline void visit_cells(const GridView& grid, Packet<L, kGroups>& packet, const GridWalk<L>* walk, const typename L::Mask* front, Stats stats) noexcept {
+template <Query Q, class L, DdaForm F, int kGroups, class Stats>
+inline void visit_cells(const GridView& grid, Packet<L, kGroups>& packet, const GridWalk<L, F>* walk, const typename L::Mask* front, Stats stats) noexcept {
   using Mask = typename L::Mask;
   constexpr int kCapacity = Packet<L, kGroups>::kCapacity;
   alignas(64) std::int32_t cell_of[kCapacity][L::kWidth];
@@ -73,7 +73,7 @@ inline void visit_cells(const GridView& grid, Packet<L, kGroups>& packet, const 
       for (std::int32_t k = 0; k < grid.kind_count; ++k) {
         const std::int32_t count = slot[k + 1] - slot[k];
         if (count == 0) continue;
-        const GridRefs<L> refs{grid.refs + slot[k], walk, grid.mailbox ? 0x3Fu : 0u};
+        const GridRefs<L, F> refs{grid.refs + slot[k], walk, grid.mailbox ? 0x3Fu : 0u};
         test_refs<Q, L, kGroups>(packet, here, grid.pools, grid.kind[k], count, refs, stats);
       }
     }
@@ -88,11 +88,11 @@ inline void test_everything(const GridView& grid, Packet<L, kGroups>& packet, co
     test_refs<Q, L, kGroups>(packet, lanes, grid.pools, grid.kind[k], grid.prim_count[k], PositionRefs{0}, stats);
 }
 
-template <Query Q, class L, int kGroups, class Stats>
-void traverse_by_lanes(const GridView& grid, Packet<L, kGroups>& packet, Stats stats) noexcept {
+/// Puts the rays into their first cells; `irregular`: those that the grid does not serve. Whether it serves all.
+template <class L, DdaForm F, int kGroups>
+[[gnu::always_inline]] inline bool begin_walk(const GridView& grid, const Packet<L, kGroups>& packet, GridWalk<L, F>* walk,
+                                              typename L::Mask* irregular) noexcept {
   using Mask = typename L::Mask;
-  GridWalk<L> walk[Packet<L, kGroups>::kCapacity];
-  Mask irregular[Packet<L, kGroups>::kCapacity];
   bool all_regular = true;
   for (int g = 0; g < packet.group_count(); ++g) {
     const RayPacket<L>& ray = packet.ray[g];
@@ -104,14 +104,33 @@ void traverse_by_lanes(const GridView& grid, Packet<L, kGroups>& packet, Stats s
     walk[g].t_end = inside.t_far;
     enter(grid.frame, ray, inside.t_near, walk[g]);
   }
-  if (!all_regular) test_everything<Q>(grid, packet, irregular, stats);
-  for_each_front(grid.frame, packet, packet.shared_octant() >= 0, walk, [&](const Mask* front) noexcept {
+  return all_regular;
+}
+
+template <Query Q, class L, DdaForm F, int kGroups, class Stats>
+void traverse_by_lanes(const GridView& grid, Packet<L, kGroups>& packet, Stats stats) noexcept {
+  GridWalk<L, F> walk[Packet<L, kGroups>::kCapacity];
+  typename L::Mask irregular[Packet<L, kGroups>::kCapacity];
+  if (!begin_walk(grid, packet, walk, irregular)) test_everything<Q>(grid, packet, irregular, stats);
+  for_each_front(grid.frame, packet, packet.shared_octant() >= 0, walk, [&](const typename L::Mask* front) noexcept {
     if constexpr (Stats::kCounting) {
       for (int g = 0; g < packet.group_count(); ++g) {
         if (L::any(front[g])) stats.template count<Event::node_visit, L>(front[g]);
       }
     }
-    visit_cells<Q, L, kGroups>(grid, packet, walk, front, stats);
+    visit_cells<Q, L, F, kGroups>(grid, packet, walk, front, stats);
+  });
+}
+
+template <Query Q, class L, DdaForm F, class Stats>
+void trace_by_lanes(const GridView& grid, const TraceArgs& args, Stats stats) noexcept {
+  with_groups<L>(args.packet, [&]<int kGroups>() noexcept {
+    for_each_packet<Q, L, kGroups>(args, [&](Packet<L, kGroups>& packet) noexcept {
+      if (Q == Query::any && !grid.nearest_blocker)
+        traverse_by_lanes<Query::any, L, F, kGroups>(grid, packet, stats);
+      else
+        traverse_by_lanes<Query::closest, L, F, kGroups>(grid, packet, stats);
+    });
   });
 }
 

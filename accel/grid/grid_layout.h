@@ -7,6 +7,12 @@
 
 namespace raymeter {
 
+/// How a DDA comes by the crossing of the next plane (dda_form_kernel.h).
+enum class DdaForm : std::uint8_t { recompute, divide, fma, accumulate, compensated };
+
+/// Stands for the number of cells that a ray visits which is tested against everything (CellWalk in core/trace/cell_walk.h).
+inline constexpr std::int32_t kWalksEverywhere = -1;
+
 /// Where the cells of a grid lie. Cell (i, j, k) is number i + (j + k * resolution[1]) * resolution[0]; the cells at the border reach to infinity.
 struct GridCells {
   float origin[3];
@@ -50,6 +56,7 @@ struct GridView {
   bool mailbox;
   bool from_origin;      ///< rays walk from their origin on, even where their interval begins later
   bool nearest_blocker;  ///< rays that ask for any hit end at the nearest
+  DdaForm dda;
 };
 
 }  // namespace raymeter

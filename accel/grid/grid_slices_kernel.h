@@ -178,7 +178,7 @@ void trace_slices(const GridView& grid, const TraceArgs& args, Stats stats) noex
     const std::int32_t count = left < args.packet ? left : args.packet;
     beams.load(args.rays, first, count);
     if (!SliceWalk<Q, L, kGroups, Stats>(grid, beams, stats).run()) {
-      for (int b = 0; b < beams.count; ++b) traverse_by_lanes<Q, L, kGroups>(grid, beams.rays[b], stats);
+      for (int b = 0; b < beams.count; ++b) traverse_by_lanes<Q, L, DdaForm::recompute, kGroups>(grid, beams.rays[b], stats);
     }
     beams.template store<Q>(args, first, count);
   }

@@ -1,11 +1,57 @@
+#include <algorithm>
+#include <array>
+#include <utility>
+
 #include "accel/grid/grid.h"
 #include "accel/grid/grid_build.h"
 #include "accel/grid/grid_kernel.h"
 #include "accel/kernel_intersector.h"
+#include "core/trace/cell_walk.h"
 
 namespace raymeter {
 
 namespace {
+
+constexpr std::array<std::pair<std::string_view, DdaForm>, 5> kForms{{{"recompute", DdaForm::recompute},
+                                                                      {"divide", DdaForm::divide},
+                                                                      {"fma", DdaForm::fma},
+                                                                      {"accumulate", DdaForm::accumulate},
+                                                                      {"compensated", DdaForm::compensated}}};
+
+DdaForm form_named(std::string_view name) noexcept { return std::ranges::find(kForms, name, &std::pair<std::string_view, DdaForm>::first)->second; }
+
+/// Lanes that step each on its own, and can show where.
+class LanesIntersector final : public KernelIntersector<GridView>, public CellWalk {
+public:
+  LanesIntersector(const UniformGrid& grid, const GridView& view, const QueryOptions& options)
+      : KernelIntersector(
+            view, view.dda == DdaForm::recompute ? kernels_for<GridLanesKernel, GridView>(options.isa) : kernels_for<DdaFormsKernel, GridView>(options.isa),
+            options.packet),
+        grid_(grid),
+        walk_(for_isa(options.isa, []<Isa I>() { return CellWalkKernel<I>::walk; })) {}
+
+  [[nodiscard]] Cells cells() const override {
+    Cells cells;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const GridFrame& frame = grid_.frame;
+      for (std::int32_t i = 1; i < frame.resolution[a]; ++i) cells.planes[a].push_back(grid_plane(static_cast<float>(i), frame.cell_size[a], frame.origin[a]));
+      cells.cell_size[a] = frame.cell_size[a];
+      cells.margin[a] = grid_.margin[a];
+      cells.box.min[static_cast<glm::length_t>(a)] = frame.box[a];
+      cells.box.max[static_cast<glm::length_t>(a)] = frame.box[a + 3];
+    }
+    return cells;
+  }
+  void walk(const RayView& rays, std::int32_t* visited, std::int32_t* count) const noexcept override {
+    const std::int32_t* const n = view_.frame.resolution;
+    walk_(view_, rays, n[0] + n[1] + n[2] - 2, visited, count);
+  }
+
+private:
+  static_assert(kWalksEverywhere == kEverywhere);
+  const UniformGrid& grid_;
+  decltype(&CellWalkKernel<Isa::scalar>::walk) walk_;
+};
 
 class Grid final : public Structure {
 public:
@@ -20,11 +66,11 @@ public:
   [[nodiscard]] const BuildStats& stats() const noexcept override { return stats_; }
   [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
     const auto params = bind<GridParams>(options.params);
-    const GridView view = grid_.view(params.mailbox, params.start == "origin", params.blocker == "nearest");
+    const GridView view = grid_.view(params.mailbox, params.start == "origin", params.blocker == "nearest", form_named(params.dda));
     if (params.traversal == "slices") {
       return std::make_unique<KernelIntersector<GridView>>(view, kernels_for<GridSlicesKernel, GridView>(options.isa), options.packet);
     }
-    return std::make_unique<KernelIntersector<GridView>>(view, kernels_for<GridLanesKernel, GridView>(options.isa), options.packet);
+    return std::make_unique<LanesIntersector>(grid_, view, options);
   }
 
 private:

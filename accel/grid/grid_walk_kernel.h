@@ -1,11 +1,12 @@
 #pragma once
 
 // A 3D-DDA (Amanatides, Woo 1987), a register of rays at a time. Departures from the paper: the crossing of a plane is computed from the plane's index,
-// (plane - org) * inv_dir, never accumulated, so that it does not drift; and every lane steps on its own by vector arithmetic.
+// (plane - org) * inv_dir, not accumulated, so that it does not drift (dda_form_kernel.h has other forms, the paper's among them); and every lane steps on its
+// own by vector arithmetic.
 //
-// Why no hit is lost. Let u be the unit roundoff and P = org + t dir a hit on a primitive at distance |P - org| along axis a. error_bounds.h puts P within
-// 16u (|P - org| + extent) of the primitive's box; the padded box covers the extent's part. Let T(i) be the computed crossing of plane i: a subtraction, a
-// reciprocal and a product, so 3u relative. T does not decrease along the ray, since each of the operations is monotonic.
+// Why no hit is lost by the forms `recompute` and `divide`. Let u be the unit roundoff and P = org + t dir a hit on a primitive at distance |P - org| along
+// axis a. error_bounds.h puts P within 16u (|P - org| + extent) of the primitive's box; the padded box covers the extent's part. Let T(i) be the computed
+// crossing of plane i: a subtraction, a reciprocal and a product, so 3u relative. T does not decrease along the ray, since each of the operations is monotonic.
 //   1. enter() finds a cell with T(its entry plane) <= t_start <= T(its exit plane) on every axis; a border cell has no outer planes, and a lane whose
 //   direction
 //      is 0 none to cross: 0 * inf is NaN and (plane - org) * inf has the sign that keeps a lane in the cell that it is in.
@@ -20,6 +21,7 @@
 // Steps are bounded: on an axis of n cells a lane steps at most n - 1 times, since the crossing beyond the border cell is infinite and t_hit is not. So a ray
 // visits at most nx + ny + nz - 2 cells, whatever its numbers; NaN ends it, for it compares false.
 
+#include "accel/grid/dda_form_kernel.h"
 #include "accel/grid/grid_layout.h"
 #include "core/bounds/way_through_kernel.h"
 #include "core/ray/packet_loop.h"
@@ -27,7 +29,7 @@
 namespace raymeter {
 
 /// Where the rays of a register are.
-template <class L>
+template <class L, DdaForm F = DdaForm::recompute>
 struct GridWalk {
   using Float = typename L::Float;
   using Int = typename L::Int;
@@ -42,6 +44,7 @@ struct GridWalk {
   Float forward[3];  ///< +1 or -1
   Float no_exit[3];  ///< the plane behind which there is nothing
   Int stride[3];     ///< from a cell to the next, signed
+  [[no_unique_address]] DdaAxis<L, F> axis[3];
 };
 
 /// Rays whose lists are complete (3).
@@ -57,16 +60,9 @@ inline typename L::Mask regular(const GridFrame& frame, const RayPacket<L>& ray)
   return good;
 }
 
-/// When the rays cross plane `index`.
-template <class L>
-inline typename L::Float crossing(const GridCells& cells, const RayPacket<L>& ray, int a, typename L::Float index) noexcept {
-  using Float = typename L::Float;
-  return (grid_plane(index, Float(cells.cell_size[a]), Float(cells.origin[a])) - ray.org[a]) * ray.inv_dir[a];
-}
-
 /// Puts the rays into the cells in which they stand at t_start.
-template <class L>
-inline void enter(const GridCells& cells, const RayPacket<L>& ray, typename L::Float t_start, GridWalk<L>& walk) noexcept {
+template <class L, DdaForm F>
+inline void enter(const GridCells& cells, const RayPacket<L>& ray, typename L::Float t_start, GridWalk<L, F>& walk) noexcept {
   using Float = typename L::Float;
   using Int = typename L::Int;
   using Mask = typename L::Mask;
@@ -88,20 +84,22 @@ inline void enter(const GridCells& cells, const RayPacket<L>& ray, typename L::F
     const Float last_cell = last - first_cell;
     const Float to_entry = L::select(negative, one, zero);
     const Float to_exit = one - to_entry;
+    walk.axis[a] = dda_axis<L, F>(cells, ray, a);
+    const auto crossed = [&](Float index) noexcept { return crossing<L, F>(cells, ray, walk.axis[a], a, index); };
     for (;;) {
-      const Mask late = walk.live & (cell != first_cell) & (crossing(cells, ray, a, cell + to_entry) > t_start);
+      const Mask late = walk.live & (cell != first_cell) & (crossed(cell + to_entry) > t_start);
       if (L::none(late)) break;
       cell = cell - L::select(late, forward, zero);
     }
     for (;;) {
-      const Mask early = walk.live & (cell != last_cell) & (crossing(cells, ray, a, cell + to_exit) < t_start);
+      const Mask early = walk.live & (cell != last_cell) & (crossed(cell + to_exit) < t_start);
       if (L::none(early)) break;
       cell = cell + L::select(early, forward, zero);
     }
     walk.forward[a] = forward;
     walk.exit[a] = cell + to_exit;
     walk.no_exit[a] = L::select(ray.dir[a] == zero, walk.exit[a], last_cell + to_exit);
-    walk.t_exit[a] = L::select(walk.exit[a] == walk.no_exit[a], Float(kInfinity), crossing(cells, ray, a, walk.exit[a]));
+    walk.t_exit[a] = L::select(walk.exit[a] == walk.no_exit[a], Float(kInfinity), crossed(walk.exit[a]));
     const Int index = L::truncate(cell);
     walk.cell = walk.cell + index * Int(stride);
     walk.progress = walk.progress + L::select(negative, Int(n - 1) - index, index);
@@ -111,15 +109,15 @@ inline void enter(const GridCells& cells, const RayPacket<L>& ray, typename L::F
 }
 
 /// The time of the next crossing.
-template <class L>
-[[gnu::always_inline]] inline typename L::Float next_crossing(const GridWalk<L>& walk) noexcept {
+template <class L, DdaForm F>
+[[gnu::always_inline]] inline typename L::Float next_crossing(const GridWalk<L, F>& walk) noexcept {
   return L::min(L::min(walk.t_exit[0], walk.t_exit[1]), walk.t_exit[2]);
 }
 
 /// Takes the lanes in `steps` to their next cells; those for which there is none worth it are live no more.
-template <class L>
+template <class L, DdaForm F>
 [[gnu::always_inline]] inline void step(const GridCells& cells, const RayPacket<L>& ray, typename L::Float t_hit, typename L::Mask steps,
-                                        GridWalk<L>& walk) noexcept {
+                                        GridWalk<L, F>& walk) noexcept {
   using Float = typename L::Float;
   using Int = typename L::Int;
   using Mask = typename L::Mask;
@@ -136,13 +134,14 @@ template <class L>
     const Int came =
         L::select(ray.negative[a], Int(static_cast<std::int32_t>(GridRef::neighbour_bit(a, 1))), Int(static_cast<std::int32_t>(GridRef::neighbour_bit(a, 0))));
     walk.came = L::select(here, came, walk.came);
-    walk.t_exit[a] = L::select(walk.exit[a] == walk.no_exit[a], Float(kInfinity), crossing(cells, ray, a, walk.exit[a]));
+    const Float next = crossing_after_step<L, F>(cells, ray, walk.axis[a], a, walk.exit[a], walk.t_exit[a], here);
+    walk.t_exit[a] = L::select(walk.exit[a] == walk.no_exit[a], Float(kInfinity), next);
   }
 }
 
 /// The progress of the lane that is furthest behind, -1 where none is live.
-template <class L>
-inline std::int32_t least_progress(const GridWalk<L>* walk, int groups) noexcept {
+template <class L, DdaForm F>
+inline std::int32_t least_progress(const GridWalk<L, F>* walk, int groups) noexcept {
   std::int32_t least = -1;
   alignas(64) std::int32_t progress[L::kWidth];
   for (int g = 0; g < groups; ++g) {
@@ -157,8 +156,8 @@ inline std::int32_t least_progress(const GridWalk<L>* walk, int groups) noexcept
 
 /// Moves the packet's walks on, cell by cell: calls visit(front) with the lanes that take a step together, then steps them. Where the rays share their octant,
 /// lanes step in the order of progress and those further ahead wait: rays that pass through a cell then stand in it at the same time.
-template <class L, int kGroups, class Visit>
-inline void for_each_front(const GridCells& cells, const Packet<L, kGroups>& packet, bool in_order, GridWalk<L>* walk, Visit visit) noexcept {
+template <class L, DdaForm F, int kGroups, class Visit>
+inline void for_each_front(const GridCells& cells, const Packet<L, kGroups>& packet, bool in_order, GridWalk<L, F>* walk, Visit visit) noexcept {
   typename L::Mask front[Packet<L, kGroups>::kCapacity];
   for (std::int32_t now = least_progress(walk, packet.group_count()); now >= 0;) {
     bool reached = false;

@@ -26,6 +26,11 @@ namespace raymeter::cases {
 template <int kOffset>
 [[nodiscard]] Problem box_edges(int count, std::uint64_t seed);
 
+// ---- Long ways through cells: cell_cases.cpp
+[[nodiscard]] Problem cells_across(int count, std::uint64_t seed);
+[[nodiscard]] Problem cell_corners(int count, std::uint64_t seed);
+[[nodiscard]] Problem cell_rows(int count, std::uint64_t seed);
+
 // ---- Triangles and polygons: facet_cases.cpp
 [[nodiscard]] Problem ties(int count, std::uint64_t seed);
 [[nodiscard]] Problem coplanar(int count, std::uint64_t seed);

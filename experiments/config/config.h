@@ -46,7 +46,8 @@ struct MeasureOptions {
 
 struct VerifyOptions {
   bool oracle = true;
-  double max_tests = 1e9;       ///< ray-primitive tests of one exact verification
+  bool cells = false;           ///< hold the cells that rays walk through against exact ones, too
+  double max_tests = 1e9;       ///< ray-primitive tests, or cells of rays, of one exact verification
   double hit_mismatch_max = 0;  ///< share of the rays that may be wrong
 };
 

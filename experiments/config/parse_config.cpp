@@ -209,6 +209,7 @@ Config parse_document(const Json& json, const Environment& environment) {
   config.measure.reference = parse_pattern(measure.value("reference", Json::object()));
   const Json verify = json.value("verify", Json::object());
   take(verify, "oracle", config.verify.oracle);
+  take(verify, "cells", config.verify.cells);
   take(verify, "max_tests", config.verify.max_tests);
   take(verify, "hit_mismatch_max", config.verify.hit_mismatch_max);
   return config;

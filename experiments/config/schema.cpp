@@ -167,10 +167,11 @@ nlohmann::ordered_json config_schema() {
   for (const CameraConvention convention : kCameraConventions) cameras.push_back(name(convention));
   const Json camera = described({{"enum", cameras}}, "where samples lie, and an image's rules of surfaces; default: pixel");
   const Json image = closed_object({{"camera", camera}, {"width", integer(1, 32768)}, {"height", integer(1, 32768)}});
-  const Json verify =
-      closed_object({{"oracle", described({{"type", "boolean"}}, "hold hits against the exact oracle")},
-                     {"max_tests", described({{"type", "number"}, {"minimum", 0}}, "ray-primitive tests of one verification; beyond, rays are sampled")},
-                     {"hit_mismatch_max", described({{"type", "number"}, {"minimum", 0}, {"maximum", 1}}, "share of the rays that may be wrong")}});
+  const Json verify = closed_object(
+      {{"oracle", described({{"type", "boolean"}}, "hold hits against the exact oracle")},
+       {"cells", described({{"type", "boolean"}}, "hold the cells that rays walk through against exact ones, too; default: no")},
+       {"max_tests", described({{"type", "number"}, {"minimum", 0}}, "ray-primitive tests, or cells of rays, of one verification; beyond, rays are sampled")},
+       {"hit_mismatch_max", described({{"type", "number"}, {"minimum", 0}, {"maximum", 1}}, "share of the rays that may be wrong")}});
   const Json ingredient = closed_object({{"name", {{"type", "string"}}},
                                          {"with", described(pattern_schema(), "fields of cells that have it; the fastest counts")},
                                          {"without", described(pattern_schema(), "fields of cells that have it not; likewise")}},

@@ -97,6 +97,11 @@ constexpr std::array kMetrics{
            "of images, against the reference technique's that is cut nowhere (min_weight 0): root of the mean squared difference of radiance"},
     Metric{Table::accuracy, "image_psnr", higher, "likewise, in decibels, white being the peak; inf where the images are equal"},
     Metric{Table::accuracy, "image_ssim", higher, "likewise, as shown (Wang et al. 2004); empty where a side is below 11 pixels"},
+    Metric{Table::accuracy, "cell_rays_checked", neither, "verify.cells: rays that walk through cells whose walk was held against the exact one"},
+    Metric{Table::accuracy, "cell_rays_missing", lower, "of them those that do not visit every cell in which they go some way"},
+    Metric{Table::accuracy, "cell_rays_at_risk", exact, "that go further in such a cell than lists reach beyond cells, so that a hit there may be lost"},
+    Metric{Table::accuracy, "cells_missed", lower, "such cells, of all those rays"},
+    Metric{Table::accuracy, "longest_missed", lower, "longest way of a ray in a cell that it misses, of all axes the largest, in cells"},
 
     Metric{Table::frames, "rays_traced", exact, "rays of a frame: eye, reflection, refraction and shadow rays"},
     Metric{Table::frames, "primary", exact, "eye rays"},

@@ -69,6 +69,12 @@ void add_accuracy_rows(const Source& source, const Experiment& cell, const RowPh
     row.insert(row.end(), {number(error.rmse), number(error.psnr()), number(error.ssim)});
   }
   row.resize(11);
+  if (check->accuracy && check->accuracy->cells) {
+    const CellRecord& cells = *check->accuracy->cells;
+    row.insert(row.end(),
+               {number(cells.rays_checked), number(cells.rays_missing), number(cells.rays_at_risk), number(cells.cells_missed), number(cells.longest)});
+  }
+  row.resize(16);
   add(std::move(row));
 }
 

@@ -30,6 +30,19 @@ Status status_from_name(const std::string& text) {
   throw std::invalid_argument(text);
 }
 
+Json to_json(const CellRecord& cells) {
+  return {{"rays_checked", cells.rays_checked},
+          {"rays_missing", cells.rays_missing},
+          {"rays_at_risk", cells.rays_at_risk},
+          {"cells_missed", cells.cells_missed},
+          {"longest", cells.longest}};
+}
+
+std::optional<CellRecord> cells_from_json(const nlohmann::json& json) {
+  if (json.is_null()) return std::nullopt;
+  return CellRecord{json.at("rays_checked"), json.at("rays_missing"), json.at("rays_at_risk"), json.at("cells_missed"), json.at("longest")};
+}
+
 Json to_json(const AccuracyRecord& record) {
   return {{"rays_checked", record.rays_checked},
           {"false_miss", record.false_miss},
@@ -38,7 +51,8 @@ Json to_json(const AccuracyRecord& record) {
           {"self_hits", optional_json(record.self_hits)},
           {"t_ulp_p50", optional_json(record.t_ulp_p50)},
           {"t_ulp_p99", optional_json(record.t_ulp_p99)},
-          {"t_ulp_max", optional_json(record.t_ulp_max)}};
+          {"t_ulp_max", optional_json(record.t_ulp_max)},
+          {"cells", record.cells ? to_json(*record.cells) : Json(nullptr)}};
 }
 
 AccuracyRecord accuracy_from_json(const nlohmann::json& json) {
@@ -49,7 +63,8 @@ AccuracyRecord accuracy_from_json(const nlohmann::json& json) {
           optional_value<std::int64_t>(json.value("self_hits", nlohmann::json())),
           optional_value<double>(json.at("t_ulp_p50")),
           optional_value<double>(json.at("t_ulp_p99")),
-          optional_value<double>(json.at("t_ulp_max"))};
+          optional_value<double>(json.at("t_ulp_max")),
+          cells_from_json(json.value("cells", nlohmann::json()))};
 }
 
 SceneRecord scene_from_json(const nlohmann::json& json) {

@@ -40,6 +40,15 @@ struct BuildRecord {
   BuildStats stats;              ///< the same for all
 };
 
+/// What the truth says of the cells that rays walked through; see CellAccuracy in experiments/verify.
+struct CellRecord {
+  std::int64_t rays_checked = 0;
+  std::int64_t rays_missing = 0;
+  std::int64_t rays_at_risk = 0;
+  std::int64_t cells_missed = 0;
+  double longest = 0;
+};
+
 /// What verification found; see Accuracy in experiments/verify.
 struct AccuracyRecord {
   std::int64_t rays_checked = 0;
@@ -48,6 +57,7 @@ struct AccuracyRecord {
   std::int64_t wrong_prim = 0;
   std::optional<std::int64_t> self_hits;
   std::optional<double> t_ulp_p50, t_ulp_p99, t_ulp_max;
+  std::optional<CellRecord> cells;  ///< where it was asked for and rays walk
 };
 
 /// What one frame consists of and how far it is from the one that is cut nowhere (min_weight 0, same max_depth).

@@ -7,10 +7,12 @@
 
 #include "accel/weak_settings.h"
 #include "core/base/threads.h"
+#include "core/trace/cell_walk.h"
 #include "experiments/config/hash.h"
 #include "experiments/record/tables.h"
 #include "experiments/run/scene_run.h"
 #include "experiments/run/verification.h"
+#include "experiments/verify/cell_truth.h"
 
 namespace raymeter {
 
@@ -101,6 +103,11 @@ void SceneRun::check_ray_set(Live& live, const Verification& verification) {
   record.hits = answers_.hit_count();
   const bool finds_distances = answers_.kind == Answers::Kind::closest && *record.hits > 0;
   if (verdicts.accuracy) record.accuracy = to_record(*verdicts.accuracy, finds_distances);
+  const auto* const walk = context_.config.verify.cells ? dynamic_cast<const CellWalk*>(live.intersector.get()) : nullptr;
+  if (walk != nullptr && record.accuracy) {
+    const CellAccuracy cells = verify_cells(*walk, live.rays->rays, {context_.config.verify.max_tests, cell.seed});
+    record.accuracy->cells = CellRecord{cells.rays_checked, cells.rays_missing, cells.rays_at_risk, cells.cells_missed, cells.longest};
+  }
   if (!verdicts.right) {
     record.status = Status::wrong;
     record.reason = fmt::format("{} of {} rays have wrong hits", verdicts.mismatches, live.rays->rays.size());

@@ -7,6 +7,7 @@ from .drafts import Draft
 from .figure_cases import cases_figure, cells_of_cases
 from .figure_offsets import lifted_rays, offsets_figure
 from .figure_reference import against_other_rays, reference_figure
+from .figure_walks import walks, walks_figure
 from .records import Run
 
 
@@ -49,3 +50,19 @@ def offsets_draft(cells: Sequence[Cell]) -> Draft | None:
         "do to this primitive, seen from that far) is the default, and what the other rules' answers are held against: far from the origin, where it has to lift far itself, a diamond also says that another lift meets another triangle. What stands at none had no such ray."
     )
     return Draft("origin_offsets", "Where secondary rays begin", caption, offsets_figure(panels))
+
+
+def walks_draft(cells: Sequence[Cell]) -> Draft | None:
+    """What the walk through a grid errs by the form of its DDA; None where only one was held against exact cells."""
+    panels = walks(cells)
+    if not panels:
+        return None
+    where = describe_setting(main_setting([walk.cell for of_panel in panels.values() for walk in of_panel]))
+    caption = (
+        f"What the walk through a grid errs by how it comes by the next plane's t, at {where}: recompute, divide and fma from the plane's index; accumulate adds up steps (Amanatides and Woo), "
+        "compensated adds what the sum has lost. Held against the cells that rays exactly pass through. Above: the longest way of any ray in a cell that it should have visited and did not, by cells a "
+        "side; circled where it is longer than lists reach beyond their cells, so that a hit may be lost. Below: speed relative to recompute through the same grid, against the share of rays that miss any cell at all; lines "
+        "go from the coarsest grid to the finest, which has the large marks and, in grey, the front: there nothing else is faster and errs less. What stands at 0 missed none. Bars are 95 % confidence intervals of the "
+        "median ratio."
+    )
+    return Draft("dda_forms", "Forms of the DDA", caption, walks_figure(panels))

@@ -111,6 +111,10 @@ GLOSSARY: dict[str, list[Term]] = {
         Term("wrong_prim", "rays", "Another primitive than the nearest one."),
         Term("self_hits", "rays", "Secondary rays that hit the surface they start from."),
         Term("t_ulp_p50, t_ulp_p99, t_ulp_max", "ulp", "Error of the distance t in units in the last place: median, 99th percentile, largest."),
+        Term("cell_rays_checked", "rays", "Rays through grids whose cells were held against those that they exactly pass through (verify.cells)."),
+        Term("cell_rays_missing, cells_missed", "", "Of them those that miss a cell in which they go some way, and all such cells."),
+        Term("cell_rays_at_risk", "rays", "Those that go further in a missed cell than lists reach beyond cells. The robust forms have none."),
+        Term("longest_missed", "cells", "Longest way of a ray in a cell that it misses."),
         Term("image_rmse, image_psnr, image_ssim", "", "Difference of the image from the reference technique's; equal images have PSNR ∞ dB."),
     ],
     "samples.csv": [

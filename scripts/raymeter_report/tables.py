@@ -188,9 +188,13 @@ def accuracy_table(cells: Sequence[Cell]) -> Table:
     )
     errors = (("t_ulp_p50", "median", "ulp"), ("t_ulp_p99", "99 %", "ulp"), ("t_ulp_max", "largest", "ulp"))
     images = (("image_rmse", "image RMSE", ""), ("image_psnr", "image PSNR", "dB"), ("image_ssim", "image SSIM", ""))
+    walks = (
+        ("cell_rays_checked", "walks checked", "rays"), ("cell_rays_missing", "miss a cell", "rays"), ("cell_rays_at_risk", "at risk", "rays"),
+        ("cells_missed", "cells missed", ""), ("longest_missed", "longest way in one", "cells"),
+    )
     columns = [
         *key_columns(varying), *(Column(title, "rays", hint=name) for name, title in counts),
-        *(Column(f"error of t, {title}", unit, hint=name) for name, title, unit in errors), *(Column(title, unit, hint=name) for name, title, unit in images),
+        *(Column(f"error of t, {title}", unit, hint=name) for name, title, unit in errors), *(Column(title, unit, hint=name) for name, title, unit in (*images, *walks)),
     ]
     rows = []
     for cell in cells:
@@ -198,7 +202,7 @@ def accuracy_table(cells: Sequence[Cell]) -> Table:
         for name, _ in counts:
             count = number_field(cell.accuracy.get(name), integer)
             checks.append(Field(count.text, count.value, "bad") if name in WRONG and count.value else count)
-        rows.append([*key_fields(cell, varying), *checks, *(number_field(cell.accuracy.get(name)) for name, _, _ in (*errors, *images))])
+        rows.append([*key_fields(cell, varying), *checks, *(number_field(cell.accuracy.get(name)) for name, _, _ in (*errors, *images, *walks))])
     caption = (
         "Hits held against the exact oracle, error of the distance t in units in the last place (ulp) of a float. Any miss, false hit or wrong "
         "primitive makes a cell fail, but for a peer from outside." + fixed_settings(cells)

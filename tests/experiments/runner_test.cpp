@@ -103,6 +103,22 @@ protected:
   std::filesystem::path folder_;
 };
 
+TEST_F(Runner, HoldsTheWalksOfGridsAgainstTheTruthWhereAskedTo) {
+  for (const bool asked : {true, false}) {
+    std::filesystem::remove_all(folder_);
+    run(structure_entry("grid"), asked ? R"(, "verify": {"cells": true})" : "");
+    std::size_t walks = 0;
+    for (const auto& [cell, check] : records().checks) {
+      ASSERT_TRUE(check.accuracy) << cell;
+      if (!check.accuracy->cells) continue;
+      ++walks;
+      EXPECT_EQ(check.accuracy->cells->rays_checked, 256);
+      EXPECT_EQ(check.accuracy->cells->rays_at_risk, 0);
+    }
+    EXPECT_EQ(walks, asked ? 1u : 0u) << "of the grid, none of the list";
+  }
+}
+
 TEST_F(Runner, DoesNotTimeWrongHits) {
   for (const char* verify : {R"(, "verify": {"oracle": true})", R"(, "verify": {"oracle": false})"}) {
     const StructureEntry liar = lying_entry<false>("liar");

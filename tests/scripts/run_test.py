@@ -19,7 +19,8 @@ COLUMNS = {  # the contract
               "scene_bytes,sibling_distance,node_volume,total_volume,cost_depth,cost_depth_p90,epo_se,volume_area,void_area,builds,build_ci_lo,build_ci_hi",
     "counters": "ray_count," + EVENTS + "," + ",".join(f"{event}_packets" for event in EVENTS.split(",")) +
                 ",node_visits_per_ray,prim_tests_per_ray,simd_utilization,rays_hit,cache_hit_rate,cache_hit_rate_blocked,first_prepare_ms,cells,candidates_per_cell,cell_bytes,full_table_bytes",
-    "accuracy": "rays_checked,false_miss,false_hit,wrong_prim,self_hits,t_ulp_p50,t_ulp_p99,t_ulp_max,image_rmse,image_psnr,image_ssim",
+    "accuracy": "rays_checked,false_miss,false_hit,wrong_prim,self_hits,t_ulp_p50,t_ulp_p99,t_ulp_max,image_rmse,image_psnr,image_ssim,"
+    "cell_rays_checked,cell_rays_missing,cell_rays_at_risk,cells_missed,longest_missed",
     "frames": "rays_traced,primary,primary_hit,reflection,reflection_hit,refraction,refraction_hit,tir,shadow,shadow_blocked,rays_saved,mean_depth,deepest,"
               "generations,error_mean,error_max,bound_mean,bound_max,bound_exceeded",
     "summary": "n,median_ns_per_ray,ci_lo,ci_hi,mad,mrays_per_s,build_ms,time_to_image_ms,mem_bytes,node_visits_per_ray,prim_tests_per_ray,simd_utilization,"

@@ -9,7 +9,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run  # noqa: F401: puts the report on the path
-from raymeter_report import cells, drafts, drafts_numerics, figure_offsets, figure_precision, figure_wrong, style, work_precision
+from raymeter_report import cells, drafts, drafts_numerics, figure_offsets, figure_precision, figure_walks, figure_wrong, style, work_precision
 
 USUAL = "volume=aabb,box_test=padded,triangle_test=woop_kahan,sphere_test=robust"
 
@@ -87,6 +87,26 @@ class WorkPrecision(unittest.TestCase):
         assert draft is not None
         self.assertEqual([label.get_text() for label in draft.figure.axes[0].get_yticklabels()], ["fixed 1e-6", "fixed 0.01", "16 ulp", "proven bound"])
         self.assertIsNone(drafts_numerics.offsets_draft(found[:1]))
+
+    def test_walks_are_drawn_by_form_along_resolutions(self) -> None:
+        found = []
+        for form, missing, longest in (("recompute", 0.0, 0.0), ("accumulate", 900.0, 0.02)):
+            for side in (64, 1024):
+                one = cell(f"resolution={side}x{side}x4,dda={form}", [50.0, 51.0])
+                one.accuracy |= dict(cell_rays_checked=1e4, cell_rays_missing=missing * side / 64, cell_rays_at_risk=missing if side > 64 else 0.0, cells_missed=missing, longest_missed=longest)
+                found.append(one)
+        drawn = figure_walks.walks(found)["s", "vertices"]
+        self.assertEqual([(one.form, one.side) for one in drawn], [("recompute", 64), ("accumulate", 64), ("recompute", 1024), ("accumulate", 1024)])
+        self.assertAlmostEqual(drawn[1].missing, 0.09)
+        self.assertEqual([one.form for one in figure_walks.front(drawn[:2])], ["recompute"], "as fast, and errs less")
+        with style.styled():
+            draft = drafts_numerics.walks_draft(found)
+        assert draft is not None
+        growth, speeds = draft.figure.axes
+        self.assertEqual(growth.get_yticklabels()[0].get_text(), "none")
+        self.assertIn("(< 0.0003)", speeds.get_xticklabels()[0].get_text())
+        self.assertEqual([text.get_text() for text in draft.figure.legends[0].get_texts()], ["recompute", "accumulate"])
+        self.assertIsNone(drafts_numerics.walks_draft(found[:2]))
 
     def test_wrong_answers_are_the_worst_of_each_technique(self) -> None:
         found = [cell(USUAL, [50.0]), cell(USUAL, [50.0], 30.0), cell(USUAL.replace("aabb", "kdop"), [50.0])]
