@@ -35,10 +35,11 @@ template <class L>
   return L::mul_add(crossing, Float(1.0f - kSlabPadding), -ray.slab_slack) <= hit.t;
 }
 
-/// A block of a cell's list.
-template <class L, int kGroups>
+/// A block of a cell's list. A candidate that begins beyond a ray's hit cannot improve it: timed kernels test registers against the rest of the block, as
+/// asking lane by lane would cost more than it saves.
+template <class L, int kGroups, bool kEachLane>
 struct CandidateRefs {
-  static constexpr bool kSelective = true;
+  static constexpr bool kSelective = kEachLane;
   const Candidate* list;
   const Packet<L, kGroups>* packet;
   int axis;
@@ -52,6 +53,7 @@ struct CandidateRefs {
 
 template <Query Q, class L, int kGroups, class Stats>
 void visit_cell(const RayCellsView& view, const RayCell& cell, Packet<L, kGroups>& packet, Stats stats) noexcept {
+  using Refs = CandidateRefs<L, kGroups, Stats::kCounting || L::kWidth == 1>;
   typename L::Mask lanes[Packet<L, kGroups>::kCapacity];
   const int axis = cell.ray_class >> 1;
   const float sign = (cell.ray_class & 1) != 0 ? -1.0f : 1.0f;
@@ -64,8 +66,7 @@ void visit_cell(const RayCellsView& view, const RayCell& cell, Packet<L, kGroups
     if (!wanted) return;
     std::int32_t end = k + 1;
     while (end < cell.count && end - k < kBlock && cell.list[end].kind() == cell.list[k].kind()) ++end;
-    test_refs<Q, L, kGroups>(packet, lanes, view.pools, static_cast<PrimKind>(cell.list[k].kind()), end - k,
-                             CandidateRefs<L, kGroups>{cell.list + k, &packet, axis, sign}, stats);
+    test_refs<Q, L, kGroups>(packet, lanes, view.pools, static_cast<PrimKind>(cell.list[k].kind()), end - k, Refs{cell.list + k, &packet, axis, sign}, stats);
     k = end;
   }
 }
