@@ -9,13 +9,15 @@
 
 namespace raymeter {
 
-/// Tests the triangles given as bits against all rays. Hits stay in registers meanwhile: what one triangle gives, the next one asks for.
+/// Tests the triangles given as bits against the registers of rays of which `lanes`, one mask each, names some. Hits stay in registers meanwhile: what one
+/// triangle gives, the next one asks for.
 template <Query Q, class L, int kGroups, class Stats>
-inline void test_triangles(const TriangleBlock& block, std::uint32_t triangles, Packet<L, kGroups>& packet, Stats stats) noexcept {
+inline void test_triangles(const TriangleBlock& block, std::uint32_t triangles, Packet<L, kGroups>& packet, const typename L::Mask* lanes,
+                           Stats stats) noexcept {
   constexpr bool kExpectHits = L::kWidth >= kBeamRays;  // of a whole beam some ray meets most triangles; asking first costs more than it saves
   const float* const column[3] = {block.vertex[0], block.vertex[1], block.vertex[2]};
   for (int g = 0; g < packet.group_count(); ++g) {
-    if (L::none(packet.live(g))) continue;
+    if (L::none(lanes[g])) continue;
     const RayPacket<L>& ray = packet.ray[g];
     HitPacket<L> hit = packet.hit[g];
     for (std::uint32_t left = triangles; left != 0; left &= left - 1) {

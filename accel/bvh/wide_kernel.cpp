@@ -199,7 +199,7 @@ private:
       }
     }
     if (is_block)
-      test_triangles<Q>(bvh_.blocks[entry.child.index()], triangles, packet, stats_);
+      test_triangles<Q>(bvh_.blocks[entry.child.index()], triangles, packet, lanes, stats_);
     else
       test_run<Q, L, kGroups>(packet, lanes, bvh_.pools, bvh_.runs[entry.child.index()], nullptr, stats_);
     group_.update_farthest(p);
