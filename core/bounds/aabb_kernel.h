@@ -1,7 +1,7 @@
 #pragma once
 
-// Axis-aligned boxes: slab_rays_kernel.h has the test and its proof. One ray by itself does better by slab_kernel.h: it has nobody to share the setting up
-// with.
+// Axis-aligned boxes: slab_rays_kernel.h has the test and its proof. One ray by itself does better by slab_kernel.h, intervals growing with the reciprocals: it
+// has nobody to share the setting up with.
 
 #include "core/bounds/slab_rays_kernel.h"
 #include "core/bounds/volume_test_kernel.h"
@@ -22,10 +22,24 @@ struct VolumeRays<AabbLayout, L> {
 template <class L>
 requires(L::kWidth == 1) struct VolumeRays<AabbLayout, L> {
   static constexpr bool kSigned = true;
-  void prepare(const AabbLayout::Shared&, const RayPacket<L>&) noexcept {}
+  typename L::Float near_scale[3], far_scale[3];  // 1 / dir and how much intervals grow: with it, 4 roundings in all
+  void prepare(const AabbLayout::Shared&, const RayPacket<L>& ray) noexcept {
+    for (int a = 0; a < 3; ++a) {
+      near_scale[a] = ray.inv_dir[a] * typename L::Float(1.0f - kSlabPadding);
+      far_scale[a] = ray.inv_dir[a] * typename L::Float(1.0f + kSlabPadding);
+    }
+  }
   template <bool kUniform>
   [[nodiscard]] [[gnu::always_inline]] SlabInterval<L> line(const RayPacket<L>& ray, const BoxPlanes<L, kUniform>& planes) const noexcept {
-    return line_in_box(ray, planes);
+    using Float = typename L::Float;
+    Float t_near(-kInfinity), t_far(kInfinity);
+    for (int a = 0; a < 3; ++a) {
+      const Float near_plane = kUniform ? planes.first[a] : L::select(ray.negative[a], planes.last[a], planes.first[a]);
+      const Float far_plane = kUniform ? planes.last[a] : L::select(ray.negative[a], planes.first[a], planes.last[a]);
+      t_near = L::max((near_plane - ray.org[a]) * near_scale[a], t_near);
+      t_far = L::min((far_plane - ray.org[a]) * far_scale[a], t_far);
+    }
+    return {t_near - ray.slab_slack, t_far + ray.slab_slack};
   }
 };
 
