@@ -9,11 +9,15 @@
 
 namespace raymeter {
 
+/// `plane_bits` of nodes whose planes are floats.
+inline constexpr int kFloatPlanes = 32;
+
 struct BvhParams : SahParams, GoldsmithSalmonParams, SbvhParams, PlocParams, TreeParams, VolumeParams, TestParams {
   std::string volume = "aabb";
   std::string builder = "binned_sah";
   std::string traversal = "auto";
   int group = 256;
+  int plane_bits = kFloatPlanes;
   std::string precision = "float";
 
   [[nodiscard]] static std::vector<Param<BvhParams>> fields();

@@ -1,5 +1,7 @@
 #include "accel/bvh/bvh.h"
 #include "accel/bvh/bvh_structure.h"
+#include "accel/bvh/quantised_bvh.h"
+#include "accel/bvh/quantised_nodes.h"
 #include "accel/bvh/weak_bvh.h"
 #include "accel/bvh/wide_bvh.h"
 #include "accel/bvh/wide_quality.h"
@@ -23,6 +25,8 @@ ParamValues resolve_bvh(const ParamValues& values) {
   if (params.is_wide()) {
     if (params.volume != "aabb") throw Error("traversal: " + params.traversal + " needs volume=aabb, got " + params.volume);
     if (params.group % kBeamRays != 0) throw Error("group: expected a multiple of " + std::to_string(kBeamRays) + ", got " + std::to_string(params.group));
+    if (params.plane_bits > 16 && params.plane_bits != kFloatPlanes)
+      throw Error("plane_bits: expected 2 to 16, or 32 for floats, got " + std::to_string(params.plane_bits));
     if (params.width != 0) throw Error("width: traversal=" + params.traversal + " has nodes of its own, of 8 children; expected 0");
   }
   return resolved(params);
@@ -32,6 +36,8 @@ std::unique_ptr<Structure> build_bvh(const Scene& scene, const ParamValues& valu
   const auto params = bind<BvhParams>(values);
   return on_threads(threads, [&]() -> std::unique_ptr<Structure> {  // one arena for all that follows
     BvhTree tree = build_bvh_tree(scene, params, threads);
+    if (params.plane_bits != kFloatPlanes)
+      return make_quantised_bvh(scene, make_wide_tree(scene, std::move(tree), params.max_leaf_size, threads), params.plane_bits);
     if (params.is_wide()) return build_wide_bvh(scene, std::move(tree), params.max_leaf_size, threads);
     return with_volume(params.volume, params, scene, [&]<class V>(const V& volume) -> std::unique_ptr<Structure> {
       return std::make_unique<BvhStructure<V>>(scene, tree, volume, threads, params);
@@ -43,7 +49,11 @@ void add_bvh_quality(const Scene& scene, const ParamValues& values, int threads,
   const auto params = bind<BvhParams>(values);
   // The layout does not keep the tree.
   BvhTree tree = build_bvh_tree(scene, params, threads);
-  if (params.is_wide()) tree = plain_tree(scene, make_wide_tree(scene, std::move(tree), params.max_leaf_size, threads));
+  if (params.is_wide()) {
+    WideTree wide = make_wide_tree(scene, std::move(tree), params.max_leaf_size, threads);
+    if (params.plane_bits != kFloatPlanes) round_outwards({wide.nodes.data(), wide.nodes.size()}, params.plane_bits);
+    tree = plain_tree(scene, wide);
+  }
   add_box_quality(scene, tree, threads, stats);
   with_volume(params.volume, params, scene, [&](const auto& volume) { add_volume_quality(tree, node_measures(volume, scene, tree, threads), stats); });
 }

@@ -7,6 +7,7 @@
 
 #include "accel/bvh/single_kernel.h"
 
+#include "accel/bvh/node_access_kernel.h"
 #include "accel/bvh/single_block_kernel.h"
 #include "core/geometry/run_kernel.h"
 #include "core/stats/policy.h"
@@ -43,12 +44,14 @@ void test_run_of_one(const WideBvhView& bvh, PrimitiveRun run, int lane, Packet<
   hit = {t[lane], prim[lane], u[lane], v[lane]};
 }
 
-template <Query Q, class L, class Stats>
-SingleHit trace_one(const WideBvhView& bvh, SingleRays<L>& rays, int lane, std::byte* scratch, Stats stats) noexcept {
+template <Query Q, class L, class View, class Stats>
+SingleHit trace_one(const View& bvh, SingleRays<L>& rays, int lane, std::byte* scratch, Stats stats) noexcept {
   SingleHit hit{rays.columns.t_end[lane]};
   if (hit.t == -kInfinity) return hit;
   const RayAtNodes<L> at_nodes(rays.columns, lane);
   const RayAtVertices<L> at_vertices(rays.columns, lane);
+  const std::uint32_t octant = rays.columns.octant(lane);
+  WideNode room;
   SingleStack stack(scratch, bvh.stack_capacity);
   WideRef child(WideRef::Tag::inner, 0);
   while (true) {
@@ -58,7 +61,7 @@ SingleHit trace_one(const WideBvhView& bvh, SingleRays<L>& rays, int lane, std::
         stats.template count<Event::node_visit, L>(L::mask(1));
         for (int c = 0; c < kWideChildren; c += kStep) stats.template count<Event::volume_test, L>(L::mask((1u << kStep) - 1));
       }
-      at_nodes.push_met(bvh.nodes[child.index()], hit.t, stack);
+      at_nodes.push_met(node_at<L>(bvh, child.index(), octant, room), hit.t, stack);
     } else {
       stats.template count<Event::leaf_visit, L>(L::mask(1));
       if (child.tag() == WideRef::Tag::block)
@@ -75,8 +78,8 @@ SingleHit trace_one(const WideBvhView& bvh, SingleRays<L>& rays, int lane, std::
   }
 }
 
-template <Query Q, class L, class Stats>
-void trace(const WideBvhView& bvh, const TraceArgs& args, Stats stats) noexcept {
+template <Query Q, class L, class View, class Stats>
+void trace(const View& bvh, const TraceArgs& args, Stats stats) noexcept {
   for (std::int32_t first = 0; first < args.rays.count; first += L::kWidth) {
     const std::int32_t left = args.rays.count - first, count = left < L::kWidth ? left : L::kWidth;
     SingleRays<L> rays(args.rays, first, count);
@@ -105,6 +108,16 @@ void SingleKernel<I, Stats>::closest(const WideBvhView& bvh, const TraceArgs& ar
 
 template <Isa I, class Stats>
 void SingleKernel<I, Stats>::any(const WideBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept {
+  trace<Query::any, Lanes<I>>(bvh, args, Stats(counters));
+}
+
+template <Isa I, class Stats>
+void SingleKernel<I, Stats>::closest(const QuantisedBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept {
+  trace<Query::closest, Lanes<I>>(bvh, args, Stats(counters));
+}
+
+template <Isa I, class Stats>
+void SingleKernel<I, Stats>::any(const QuantisedBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept {
   trace<Query::any, Lanes<I>>(bvh, args, Stats(counters));
 }
 

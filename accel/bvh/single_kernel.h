@@ -1,6 +1,6 @@
 #pragma once
 
-#include "accel/bvh/wide_layout.h"
+#include "accel/bvh/quantised_layout.h"
 #include "core/ray/trace_args.h"
 #include "core/simd/isa_enum.h"
 #include "core/stats/counters.h"
@@ -17,6 +17,8 @@ template <Isa I, class Stats>
 struct SingleKernel {
   static void closest(const WideBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept;
   static void any(const WideBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept;
+  static void closest(const QuantisedBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept;
+  static void any(const QuantisedBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept;
 };
 
 }  // namespace raymeter

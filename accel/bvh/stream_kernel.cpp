@@ -123,9 +123,10 @@ struct Descent {
   StreamGroup<L> group;
 };
 
-template <Query Q, class L, class Stats>
-[[gnu::always_inline]] inline void open_node(const WideBvhView& bvh, Descent<L>& at, Stats stats) noexcept {
-  const WideNode& node = bvh.nodes[at.child.index()];
+template <Query Q, class View, class L, class Stats>
+[[gnu::always_inline]] inline void open_node(const View& bvh, Descent<L>& at, Stats stats) noexcept {
+  WideNode room;
+  const WideNode& node = node_at<L>(bvh, at.child.index(), at.group.order, room);
   count_node<L>(at.rays, stats);
   push_children<L>(at.stack, node, node.order[at.group.order], rays_of_children<L>(node, at.group.octant, at.group.ray, at.rays));
 }
@@ -145,8 +146,8 @@ template <Query Q, class L, class Stats>
 }
 
 /// Takes each group one child further. What a child is no branch foresees: those that have come to nodes go first, then those that have come to leaves.
-template <Query Q, class L, class Stats>
-[[gnu::always_inline]] inline void step(const WideBvhView& bvh, const RayView& rays_of_slice, const std::int32_t* source, Descent<L>* const* descent, int count,
+template <Query Q, class View, class L, class Stats>
+[[gnu::always_inline]] inline void step(const View& bvh, const RayView& rays_of_slice, const std::int32_t* source, Descent<L>* const* descent, int count,
                                         Stats stats) noexcept {
   std::uint32_t at_nodes = 0, at_leaves = 0;
   for (int g = 0; g < count; ++g) {
@@ -227,8 +228,8 @@ struct GroupCutter {
   }
 };
 
-template <Query Q, class L, class Stats>
-void trace_slice(const WideBvhView& bvh, const TraceArgs& args, SortedRays& sorted, std::byte* stacks, Stats stats) noexcept {
+template <Query Q, class L, class View, class Stats>
+void trace_slice(const View& bvh, const TraceArgs& args, SortedRays& sorted, std::byte* stacks, Stats stats) noexcept {
   sort_by_bin<L>(args.rays, bvh.pools.spheres.prim != nullptr, sorted);
   GroupCutter cutter{sorted.first, args.packet};
   Descent<L> descents[kInterleaved];
@@ -266,8 +267,8 @@ void trace_slice(const WideBvhView& bvh, const TraceArgs& args, SortedRays& sort
   }
 }
 
-template <Query Q, class L, class Stats>
-void trace(const WideBvhView& bvh, const TraceArgs& args, Stats stats) noexcept {
+template <Query Q, class L, class View, class Stats>
+void trace(const View& bvh, const TraceArgs& args, Stats stats) noexcept {
   SortedRays& sorted = *reinterpret_cast<SortedRays*>(args.scratch);
   for (std::int32_t begin = 0; begin < args.rays.count; begin += kStreamRays) {
     const std::int32_t left = args.rays.count - begin;
@@ -284,6 +285,16 @@ void StreamKernel<I, Stats>::closest(const WideBvhView& bvh, const TraceArgs& ar
 
 template <Isa I, class Stats>
 void StreamKernel<I, Stats>::any(const WideBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept {
+  trace<Query::any, Lanes<I>>(bvh, args, Stats(counters));
+}
+
+template <Isa I, class Stats>
+void StreamKernel<I, Stats>::closest(const QuantisedBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept {
+  trace<Query::closest, Lanes<I>>(bvh, args, Stats(counters));
+}
+
+template <Isa I, class Stats>
+void StreamKernel<I, Stats>::any(const QuantisedBvhView& bvh, const TraceArgs& args, Counters* counters) noexcept {
   trace<Query::any, Lanes<I>>(bvh, args, Stats(counters));
 }
 

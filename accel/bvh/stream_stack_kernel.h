@@ -2,6 +2,7 @@
 
 // The traversal stack of a group: children and the rays that want them.
 
+#include "accel/bvh/node_access_kernel.h"
 #include "accel/bvh/stream_node_kernel.h"
 #include "core/simd/select_kernel.h"
 
@@ -68,11 +69,9 @@ template <>
 #endif
 
 /// Asks for what a child is, so that it comes from memory while other groups take their turns.
-[[gnu::always_inline]] inline void prefetch_child(const WideBvhView& bvh, WideRef child) noexcept {
-  static_assert(sizeof(WideNode) == sizeof(TriangleBlock));
-  const auto* const nodes = reinterpret_cast<const char*>(bvh.nodes);
-  const auto* const blocks = reinterpret_cast<const char*>(bvh.blocks);
-  const char* const target = select_unforeseen(child.tag() == WideRef::Tag::inner, nodes, blocks) + sizeof(WideNode) * child.index();
+template <class View>
+[[gnu::always_inline]] inline void prefetch_child(const View& bvh, WideRef child) noexcept {
+  const char* const target = address_of(bvh, child);
   const SphereView& spheres = bvh.pools.spheres;
   if (spheres.prim == nullptr) {
     for (int line = 0; line < 4; ++line) __builtin_prefetch(target + 64 * line);

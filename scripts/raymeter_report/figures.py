@@ -9,7 +9,7 @@ from .drafts import (
     Draft, best_drafts, build_draft, counter_draft, error_draft, memory_draft, peer_draft, precision_draft, price_draft, price_list_draft, run_order_draft,
     scaling_draft, scatter_draft, speed_draft, sweep_drafts, wrong_draft,
 )
-from .drafts_numerics import cases_draft, offsets_draft, reference_draft, walks_draft
+from .drafts_numerics import bounds_draft, cases_draft, offsets_draft, reference_draft, walks_draft
 from .records import Run
 from .style import inline_svg, looks, neutral_svg, save_figure, styled, svg_of
 
@@ -71,6 +71,7 @@ def drafts(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Draft]:
         reference_draft(runs, cells),
         offsets_draft(cells),
         walks_draft(cells),
+        bounds_draft(cells),
         run_order_draft(runs, cells, look_of),
     ]
     return [draft for draft in result if draft is not None]

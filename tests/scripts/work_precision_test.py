@@ -9,7 +9,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run  # noqa: F401: puts the report on the path
-from raymeter_report import cells, drafts, drafts_numerics, figure_offsets, figure_precision, figure_walks, figure_wrong, style, work_precision
+from raymeter_report import cells, drafts, drafts_numerics, figure_bounds, figure_offsets, figure_precision, figure_walks, figure_wrong, style, work_precision
 
 USUAL = "volume=aabb,box_test=padded,triangle_test=woop_kahan,sphere_test=robust"
 
@@ -107,6 +107,25 @@ class WorkPrecision(unittest.TestCase):
         self.assertIn("(< 0.0003)", speeds.get_xticklabels()[0].get_text())
         self.assertEqual([text.get_text() for text in draft.figure.legends[0].get_texts()], ["recompute", "accumulate"])
         self.assertIsNone(drafts_numerics.walks_draft(found[:2]))
+
+    def test_boxes_in_whole_steps_are_drawn_beside_floats(self) -> None:
+        found = []
+        for traversal in ("stream", "single"):
+            for bits, visits, times in ((32, 100.0, [50.0, 52.0]), (8, 110.0, [40.0, 42.0]), (4, 200.0, [100.0, 104.0])):
+                one = cell(f"traversal={traversal},plane_bits={bits}", times)
+                one.counters |= dict(node_visits=visits)
+                one.build |= dict(mem_bytes=400.0 * bits, num_prims=100.0)
+                found.append(one)
+        boxes = figure_bounds.quantised_boxes(found)["vertices"]
+        self.assertEqual([(one.bits, one.visits) for one in boxes[:3]], [(32, 1.0), (8, 1.1), (4, 2.0)])
+        self.assertAlmostEqual(boxes[2].speed.value if boxes[2].speed else 0.0, 0.5)
+        with style.styled():
+            draft = drafts_numerics.bounds_draft(found)
+        assert draft is not None
+        visits, speeds = draft.figure.axes
+        self.assertEqual([label.get_text() for label in visits.get_xticklabels()], ["4\n16 B", "8\n32 B", "float\n128 B"])
+        self.assertEqual([text.get_text() for text in speeds.texts], ["4", "8", "4", "8"])
+        self.assertIsNone(drafts_numerics.bounds_draft(found[1:2]))
 
     def test_wrong_answers_are_the_worst_of_each_technique(self) -> None:
         found = [cell(USUAL, [50.0]), cell(USUAL, [50.0], 30.0), cell(USUAL.replace("aabb", "kdop"), [50.0])]
