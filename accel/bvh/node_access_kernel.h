@@ -8,8 +8,8 @@
 
 namespace raymeter {
 
-/// Unpacks what rays of the octants `order` and `octant` need: planes, children, the order of `order`. A product with a power of two is exact: every instruction
-/// set finds the planes that the builder has proven to lie outside.
+/// Unpacks what rays of the octants `order` and `octant` need: planes, children, the order of `order`. A product with a power of two is exact: every
+/// instruction set finds the planes that the builder has proven to lie outside.
 template <class L, class Plane>
 [[gnu::always_inline]] inline void unpack_node(const QuantisedNode<Plane>& packed, std::uint32_t order, WideNode& room) noexcept {
   using Float = typename L::Float;
@@ -20,13 +20,16 @@ template <class L, class Plane>
   for (int i = 0; i < kPlanes; ++i) steps[i] = packed_steps[i];
   const auto second = L::mask(0xFF00);  // sixteen lanes: of two rows at once
   const auto of_rows = [&](int p, auto&& value) noexcept {
-    if constexpr (L::kWidth > kWideChildren) return L::select(second, Float(value(p + 1)), Float(value(p)));
-    else return Float(value(p));
+    if constexpr (L::kWidth > kWideChildren)
+      return L::select(second, Float(value(p + 1)), Float(value(p)));
+    else
+      return Float(value(p));
   };
   const Int children(packed.children);
   for (int i = 0; i < kPlanes; i += L::kWidth) {
     const int p = i / kWideChildren;
-    const Float step = of_rows(p, [&](int row) noexcept { return __builtin_bit_cast(float, static_cast<std::uint32_t>(packed.exponent[row % 3] + 127) << 23); });
+    const Float step =
+        of_rows(p, [&](int row) noexcept { return __builtin_bit_cast(float, static_cast<std::uint32_t>(packed.exponent[row % 3] + 127) << 23); });
     const Float corner = of_rows(p, [&](int row) noexcept { return packed.corner[row % 3]; });
     const Float nothing = of_rows(p, [&](int row) noexcept { return row < 3 ? kInfinity : -kInfinity; });
     Int place = L::iota() + Int(i % kWideChildren);

@@ -17,7 +17,7 @@ struct alignas(64) QuantisedNode {
   std::uint8_t children;    ///< the first places; the others have empty boxes
   Plane plane[6][kWideChildren];
   WideRef child[kWideChildren];
-  std::uint32_t order[8];   ///< as WideNode::order
+  std::uint32_t order[8];  ///< as WideNode::order
 };
 static_assert(sizeof(QuantisedNode<std::uint8_t>) == 128);
 static_assert(sizeof(QuantisedNode<std::uint16_t>) == 192);

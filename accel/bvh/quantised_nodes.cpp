@@ -1,12 +1,10 @@
 #include "accel/bvh/quantised_nodes.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/threads.h"
 
 namespace raymeter {
 
@@ -82,8 +80,8 @@ void quantise(const WideNode& node, int bits, QuantisedNode<Plane>& to) {
 
 template <class Each>
 void for_each_node(std::size_t count, Each each) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const tbb::blocked_range<std::size_t>& range) {
-    for (std::size_t n = range.begin(); n < range.end(); ++n) each(n);
+  for_each_task((count + kGrain - 1) / kGrain, [&](std::size_t part) {
+    for (std::size_t n = part * kGrain; n < std::min((part + 1) * kGrain, count); ++n) each(n);
   });
 }
 

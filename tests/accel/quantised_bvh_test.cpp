@@ -24,7 +24,8 @@ WideNode random_node(test::Random& random, int children, float x, float size) {
   WideNode node{};
   for (int c = 0; c < kWideChildren; ++c) {
     for (int a = 0; a < 3; ++a) {
-      const float middle = (a == 1 ? -x : x) + size * static_cast<float>(random.uniform(-1, 1)), half = c == 1 || (c == 0 && a == 2) ? 0 : size * static_cast<float>(random.uniform(0, 0.5));
+      const float middle = (a == 1 ? -x : x) + size * static_cast<float>(random.uniform(-1, 1)),
+                  half = c == 1 || (c == 0 && a == 2) ? 0 : size * static_cast<float>(random.uniform(0, 0.5));
       node.plane[a][c] = c < children ? middle - half : kInf;
       node.plane[a + 3][c] = c < children ? middle + half : -kInf;
     }
