@@ -37,8 +37,8 @@ template <class L, bool kExpectHits, class Stats, class Take>
     const std::uint32_t present = (1u << (left < L::kWidth ? left : L::kWidth)) - 1;
     stats.template count<Event::prim_test, L>(L::mask(present));
     const std::int32_t at = run.first + first;
-    const Float from[3] = {one.org[0] - L::load(pool.center[0] + at), one.org[1] - L::load(pool.center[1] + at), one.org[2] - L::load(pool.center[2] + at)};
-    const SurfaceHit<L> found = intersect_sphere<L, kExpectHits>(one, from, L::load(pool.radius + at));
+    const Float center[3] = {L::load(pool.center[0] + at), L::load(pool.center[1] + at), L::load(pool.center[2] + at)};
+    const SurfaceHit<L> found = intersect_sphere<L, kExpectHits>(one, center, L::load(pool.radius + at));
     take(LeafHits<L>{found, L::bits(found.meets & (found.t >= one.t_min) & (found.t <= t_end)) & present, first});
   }
 }

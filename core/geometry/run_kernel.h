@@ -69,7 +69,10 @@ inline void test_refs(Packet<L, kGroups>& packet, const typename L::Mask* lanes,
     case PrimKind::triangle:
       test_all(pools.triangles.prim, [&](Ray ray, Hit, std::int32_t i) noexcept { return intersect_triangle(ray, pools.triangles, i); });
       break;
-    case PrimKind::sphere: test_all(pools.spheres.prim, [&](Ray ray, Hit, std::int32_t i) noexcept { return intersect_sphere(ray, pools.spheres, i); }); break;
+    case PrimKind::sphere:
+      test_all(
+          pools.spheres.prim, [&](Ray ray, Hit, std::int32_t i) noexcept __attribute__((always_inline)) { return intersect_sphere(ray, pools.spheres, i); });
+      break;
     case PrimKind::polygon:
       test_all(pools.polygons.prim, [&](Ray ray, Hit hit, std::int32_t i) noexcept { return intersect_polygon(ray, hit, pools.polygons, i); });
       break;
