@@ -49,6 +49,12 @@ template <class L, bool kExpectHits = false>
 [[gnu::always_inline]] inline SurfaceHit<L> intersect_triangle(const ShearedVertex<L>& a, const ShearedVertex<L>& b, const ShearedVertex<L>& c) noexcept {
   using Float = typename L::Float;
   const Float zero(0.0f);
+  if constexpr (!kExpectHits && L::kIsa < Isa::avx2) {
+    // Rounding is monotone: plain differences have the exact ones' signs, or are 0 (or denormal). Most triangles are missed, and need no double to say so.
+    const Float rounded_a = c.x * b.y - c.y * b.x, rounded_b = a.x * c.y - a.y * c.x, rounded_c = b.x * a.y - b.y * a.x, least_sure(0x1p-120f);
+    const auto passes_by = (L::min(L::min(rounded_a, rounded_b), rounded_c) < -least_sure) & (L::max(L::max(rounded_a, rounded_b), rounded_c) > least_sure);
+    if (L::all(passes_by)) return {~passes_by, zero, zero, zero};
+  }
   const Float weight_a = L::difference_of_products(c.x, b.y, c.y, b.x);
   const Float weight_b = L::difference_of_products(a.x, c.y, a.y, c.x);
   const Float weight_c = L::difference_of_products(b.x, a.y, b.y, a.x);
