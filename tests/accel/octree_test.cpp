@@ -48,6 +48,21 @@ TEST(Octree, EqualsListBitForBit) {
   }
 }
 
+TEST(Octree, PadsTheBoxesOfOneKindOnTheSidesAskedFor) {
+  const Scene scene = mixed_scene(400, 0.1);
+  const auto references = [&](const std::string& padding) {
+    const TechniqueSpec spec = parse_technique("octree:placement=box,leaf_size=1,max_depth=4" + padding);
+    return spec.structure->build(scene, spec.params, 1)->stats().references;
+  };
+  const std::int64_t tight = references("");
+  for (const std::string kind : {",cone_padding=0.05", ",triangle_padding=0.05"}) {
+    const std::int64_t low = references(kind + ",padding_sides=low"), both = references(kind);
+    EXPECT_GT(low, tight) << kind;
+    EXPECT_GT(both, low) << kind;
+    EXPECT_GT(references(",cone_padding=0.05,triangle_padding=0.05"), both) << kind;
+  }
+}
+
 TEST(Octree, EqualsListAtHugeAndTinyCoordinates) {
   for (const double scale : {1e-8, 1e8}) {
     expect_equals_list(mixed_scene(400, 0.2, scale), random_rays(300, scale), "leaf_size=1,max_depth=6");

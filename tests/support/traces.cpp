@@ -55,9 +55,9 @@ Reference::Reference(const Scene& scene, Isa isa) : rays(hard_rays(scene, 7)) {
 std::vector<std::string> all_traversals() {
   std::vector<std::string> texts;
   for (const StructureEntry& entry : structures()) texts.emplace_back(entry.name);
-  for (const char* setting :
-       {"traversal=packet", "traversal=heap", "traversal=single", "traversal=beam", "traversal=beam,group=16", "traversal=stream", "traversal=auto",
-        "traversal=auto,group=16", "builder=sbvh,split_overlap=0", "volume=sphere", "volume=obb", "volume=kdop", "volume=kdop,k=26"})
+  for (const char* setting : {"traversal=packet", "traversal=heap", "traversal=single", "traversal=beam", "traversal=beam,group=16", "traversal=stream",
+                              "traversal=auto", "traversal=auto,group=16", "traversal=stream,plane_bits=8", "traversal=single,plane_bits=5",
+                              "builder=sbvh,split_overlap=0", "volume=sphere", "volume=obb", "volume=kdop", "volume=kdop,k=26"})
     texts.push_back("bvh:" + std::string(setting));
   return texts;
 }
