@@ -7,6 +7,7 @@
 #include "accel/bvh/stream_kernel.h"
 
 #include "accel/bvh/stream_block_kernel.h"
+#include "accel/bvh/stream_count_kernel.h"
 #include "accel/bvh/stream_node_kernel.h"
 #include "accel/bvh/stream_sphere_kernel.h"
 #include "accel/bvh/stream_stack_kernel.h"
@@ -17,29 +18,6 @@
 namespace raymeter {
 
 namespace {
-
-/// Counts an event for each of the rays, by registers of them.
-template <Event e, class L, class Stats>
-inline void count_rays(std::uint64_t rays, Stats stats) noexcept {
-  if constexpr (Stats::kCounting) {
-    constexpr std::uint32_t kAll = (1u << L::kWidth) - 1;
-    for (; rays != 0; rays >>= L::kWidth) {
-      const std::uint32_t lanes = static_cast<std::uint32_t>(rays) & kAll;
-      if (lanes != 0) stats.template count<e, L>(L::mask(lanes));
-    }
-  }
-}
-
-template <class L, class Stats>
-inline void count_node(std::uint64_t rays, Stats stats) noexcept {
-  if constexpr (Stats::kCounting) {
-    constexpr int kStep = L::kWidth < kWideChildren ? L::kWidth : kWideChildren;
-    count_rays<Event::node_visit, L>(rays, stats);
-    for (; rays != 0; rays &= rays - 1) {
-      for (int c = 0; c < kWideChildren; c += kStep) stats.template count<Event::volume_test, L>(L::mask((1u << kStep) - 1));
-    }
-  }
-}
 
 template <Query Q, class L, class Stats>
 void test_block_of_group(const TriangleBlock& block, std::uint64_t rays, StreamGroup<L>& group, Stats stats) noexcept {
