@@ -78,6 +78,9 @@ def bounds_figure(panels: dict[str, list[Quantised]]) -> Figure:
     grid[0, 0].set_ylabel("visits of nodes, floats = 1")
     if timed:
         grid[1, 0].set_ylabel("speed, floats = 1")
+        speeds = [one.speed.value for one in everything if one.speed]  # intervals of noisy runs may reach out of sight
+        room = 0.15 * (max(speeds) - min(speeds)) or 0.1
+        grid[1, 0].set_ylim(min(speeds) - room, max(speeds) + room)
     add_legend(figure, traversals, LOOKS)
     return figure
 
