@@ -4,14 +4,14 @@
 //
 //   recompute    (plane - org) * inv_dir from the plane's index: 3u relative, on which the walk's proof rests. The default.
 //   divide       (plane - org) / dir: 2u relative, a division a step.
-//   fma          index * (cell_size * inv_dir) + (origin - org) * inv_dir in one operation: 4u of the larger of the terms, which is more than the crossing
-//   where
-//                they cancel, that is where the ray starts inside the grid or far from its low side.
+//   fma          index * (cell_size * inv_dir) + (origin - org) * inv_dir in one operation: 4u of the larger of the terms,
+//                which is more than the crossing where they cancel, that is where the ray starts inside the grid or far
+//                from its low side.
 //   accumulate   t += cell_size * |inv_dir| (Amanatides, Woo 1987): a rounding a step, of the same sign as long as the exponent stays, so that the error grows
 //                with the number of steps.
 //   compensated  the same, what a sum has lost being added to the next step (Kahan 1965): 2u relative for the step beside 3u for the first crossing.
 //
-// Only the first two are proven to lose no hit; the others are the weak settings of `dda`.
+// Only the first two are proven to lose no hit. What cells answer by any form but the default is listed, not held to ours (accel/weak_settings.h).
 
 #include "accel/grid/grid_layout.h"
 #include "core/ray/ray_packet.h"

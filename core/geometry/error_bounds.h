@@ -28,7 +28,7 @@ inline constexpr float kOwnSlabPadding = 12 * kUnitRoundoff;
 /// A hit's distance from the surface, relative.
 inline constexpr float kSurfaceError = 32 * kUnitRoundoff;
 /// How close to a sphere's silhouette a ray must pass for the sphere test to take a hit for a miss or the reverse, relative to the origin's distance from the
-/// centre and the radius.
+/// centre and the radius; of spheres whose radius is 2^-40 or more, since of smaller ones what is left of squares is denormal.
 inline constexpr float kSilhouetteError = 0x1p-43f;
 /// How far off, across the ray and relative to its distance from the origin, a kernel sees a vertex; it sees it alike in all triangles and polygons.
 inline constexpr float kSeenVertexError = 10 * kUnitRoundoff;

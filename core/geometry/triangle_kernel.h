@@ -50,7 +50,7 @@ template <class L, bool kExpectHits = false>
   using Float = typename L::Float;
   const Float zero(0.0f);
   if constexpr (!kExpectHits && L::kIsa < Isa::avx2) {
-    // Rounding is monotone: plain differences have the exact ones' signs, or are 0 (or denormal). Most triangles are missed, and need no double to say so.
+    // Most triangles are missed. Rounding is monotone: plain differences have the exact ones' signs, and above 2^-120 weights do not round to 0 below.
     const Float rounded_a = c.x * b.y - c.y * b.x, rounded_b = a.x * c.y - a.y * c.x, rounded_c = b.x * a.y - b.y * a.x, least_sure(0x1p-120f);
     const auto passes_by = (L::min(L::min(rounded_a, rounded_b), rounded_c) < -least_sure) & (L::max(L::max(rounded_a, rounded_b), rounded_c) > least_sure);
     if (L::all(passes_by)) return {~passes_by, zero, zero, zero};

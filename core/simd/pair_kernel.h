@@ -48,7 +48,7 @@ template <class L>
   return {values.value, L::mul_add(p.tail, b, values.tail)};
 }
 
-/// p * q; error 27 u^2 |p q|, 7 where tails are u of their values at most.
+/// p * q; error 38 u^2 |p q|, 8 where tails are u of their values at most.
 template <class L>
 [[gnu::always_inline]] inline FloatPair<L> product(const FloatPair<L>& p, const FloatPair<L>& q) noexcept {
   const FloatPair<L> values = exact_product<L>(p.value, q.value);
