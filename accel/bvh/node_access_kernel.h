@@ -16,7 +16,7 @@ template <class L, class Plane>
   using Int = typename L::Int;
   constexpr int kPlanes = 6 * kWideChildren;
   alignas(64) std::int32_t steps[kPlanes];
-  const Plane* const packed_steps = packed.plane[0];
+  const auto* const packed_steps = reinterpret_cast<const Plane*>(&packed.plane);
   for (int i = 0; i < kPlanes; ++i) steps[i] = packed_steps[i];
   const auto second = L::mask(0xFF00);  // sixteen lanes: of two rows at once
   const auto of_rows = [&](int p, auto&& value) noexcept {

@@ -76,12 +76,10 @@ struct OctreeParams {
               {"exact", "box"}},
         Field{"root", &OctreeParams::root, "shape of the root cell: the scene's box, or the cube around it", 0, 0, {"box", "cube"}},
         Field{"growth", &OctreeParams::growth, "of the root cell beyond the scene's box, relative to its extent", 0, 1},
-        where<OctreeParams>(
-            [](const OctreeParams& p) { return p.placement == "box"; },
-            Field{"cone_padding", &OctreeParams::cone_padding, "of the boxes of cones and cylinders on all sides, in units of the scene", 0, 1e6}),
-        where<OctreeParams>(
-            [](const OctreeParams& p) { return p.placement == "box"; },
-            Field{"triangle_padding", &OctreeParams::triangle_padding, "of the boxes of triangles on all sides, in units of the scene", 0, 1e6}),
+        where<OctreeParams>([](const OctreeParams& p) { return p.placement == "box"; },
+                            Field{"cone_padding", &OctreeParams::cone_padding, "of the boxes of cones and cylinders, in units of the scene", 0, 1e6}),
+        where<OctreeParams>([](const OctreeParams& p) { return p.placement == "box"; },
+                            Field{"triangle_padding", &OctreeParams::triangle_padding, "of the boxes of triangles, in units of the scene", 0, 1e6}),
         where<OctreeParams>(
             [](const OctreeParams& p) { return p.placement == "box" && (p.cone_padding > 0 || p.triangle_padding > 0); },
             Field{"padding_sides", &OctreeParams::padding_sides, "sides of boxes that are padded: all, or the low ones", 0, 0, {"both", "low"}}),
