@@ -112,10 +112,16 @@ std::vector<Field> BvhParams::fields() {
       where(
           [](const BvhParams& p) { return p.traversal == "stream" || p.traversal == "single"; },
           Field{
-              "plane_bits", &BvhParams::plane_bits,
+              "plane_bits",
+              &BvhParams::plane_bits,
               "stream, single: bits of a plane of a node, in steps of the box around its children, rounded outwards: 2 to 8 in nodes of 128 bytes, 9 to 16 in "
               "192; 32, and nothing between: floats, 256",
-              2, kFloatPlanes}),
+              2,
+              kFloatPlanes,
+              {},
+              ParamUse::query,
+              nullptr,
+              {{"32"}}}),
       where(by_bins, Field{"bins", &BvhParams::bins, "binned_sah, sbvh: bins per axis, where a node has at least that many primitives", 2, 64}),
       where(
           [](const BvhParams& p) { return by_sah(p) || by_wide_nodes(p); },
