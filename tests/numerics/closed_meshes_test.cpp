@@ -68,12 +68,10 @@ protected:
   }
   /// Whether all rays of a mesh fit the time that tests may take; else a hundredth is traced (closed_meshes.json has the rest). `list`, which tests all
   /// primitives with every register of rays, looks for the nearest hits in full in all but the scan, and for any hits where registers are wide and full: the
-  /// others would take 299 seconds of one core, since `list` goes on when all lanes are blocked. `ray_classification` would take about 150 to make its cells in
-  /// the scan for all packet sizes and instruction sets.
+  /// others would take 299 seconds of one core, since `list` goes on when all lanes are blocked.
   [[nodiscard]] static bool affordable(const Scene& scene, Query query, int packet) {
     constexpr std::size_t kSphere = 20480;
     const std::size_t size = static_cast<std::size_t>(scene.prim_count());
-    if (GetParam().is("ray_classification")) return size <= kSphere;
     if (!GetParam().is("list") || size <= 2000) return true;
     const bool wide = packet >= 16 && (GetParam().isa == Isa::avx2 || GetParam().isa == Isa::avx512);
     return size <= kSphere && (query == Query::closest || wide);
