@@ -50,10 +50,8 @@ inline std::uint32_t packets_met(const Footprint& print, const CellArgs& cell, s
       inside = inside & (L::mul_add(Float(edge[0]), L::load(x + p), L::mul_add(Float(edge[1]), L::load(y + p), Float(edge[2]))) >= Float(0.0f));
     }
     if constexpr (Stats::kCounting) {
-      // Not by L::iota(): g++ 12 leaves the register that holds it unset here with AVX-512, so that counts were random.
       const std::int32_t left = count - p;
-      const std::uint32_t all = L::kWidth < left ? L::kWidth : static_cast<std::uint32_t>(left);
-      stats.template count<Event::volume_test, L>(L::mask((1u << all) - 1));
+      stats.template count<Event::volume_test, L>(L::less(L::iota(), typename L::Int(left)));
     }
     met |= L::bits(inside) << p;
   }
