@@ -16,7 +16,7 @@ constexpr int kLeastOfOctant = 8;
 constexpr int kLeastBeam = 8;
 /// Beams lose to streams where they meet this many times as many leaves as one of their rays, by query: rays that any hit ends part sooner.
 constexpr double kMostLeaves[2] = {3, 1.1};
-/// Nearest hits: beams may meet more leaves where they share their way down, in groups no wider than this share of the scene.
+/// Nearest hits: beams may meet more leaves where they share their way down, in whole groups no wider than this share of the scene.
 constexpr double kMostLeavesOfSlim = 5;
 constexpr double kSlimGroupWidth = 0.04;
 
@@ -34,8 +34,13 @@ bool is_sparse(const RayView& rays) noexcept {
 
 }  // namespace
 
-AutoIntersector::AutoIntersector(Traversals traversals, int packet, int simd_width, const LeafSizes& leaves, const float (&box)[6])
-    : traversals_(std::move(traversals)), packet_(packet), least_beam_(std::max(kLeastBeam, simd_width)), leaves_(leaves), box_(std::to_array(box)) {}
+AutoIntersector::AutoIntersector(Traversals traversals, int packet, int simd_width, int group, const LeafSizes& leaves, const float (&box)[6])
+    : traversals_(std::move(traversals)),
+      packet_(packet),
+      least_beam_(std::max(kLeastBeam, simd_width)),
+      whole_groups_(group == kMaxGroupRays),
+      leaves_(leaves),
+      box_(std::to_array(box)) {}
 
 AutoIntersector::Choice AutoIntersector::chosen_for(const RayView& slice, Query query) const noexcept {
   if (packet_ < kLeastRays || slice.count < kLeastRays) return single;
@@ -46,7 +51,7 @@ AutoIntersector::Choice AutoIntersector::chosen_for(const RayView& slice, Query 
 bool AutoIntersector::suits_beams(const RayView& slice, Query query) const noexcept {
   const double leaves = leaves_per_ray(slice, box_.data(), leaves_);
   if (leaves < kMostLeaves[static_cast<int>(query)]) return true;
-  return query == Query::closest && leaves < kMostLeavesOfSlim && group_width(slice, box_.data()) < kSlimGroupWidth;
+  return whole_groups_ && query == Query::closest && leaves < kMostLeavesOfSlim && group_width(slice, box_.data()) < kSlimGroupWidth;
 }
 
 const Intersector& AutoIntersector::of(Choice choice) const noexcept {

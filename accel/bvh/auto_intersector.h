@@ -16,8 +16,9 @@ public:
   struct Traversals {
     std::unique_ptr<Intersector> beams, streams, singles;
   };
-  /// `packet`: rays per packet of beams and streams, `simd_width` those of a register. `box`: of the scene, min x y z, max x y z.
-  AutoIntersector(Traversals traversals, int packet, int simd_width, const LeafSizes& leaves, const float (&box)[6]);
+  /// `packet`: rays per packet of beams and streams, `simd_width` those of a register, `group` those whose beams go down together. `box`: of the scene, min x y
+  /// z, max x y z.
+  AutoIntersector(Traversals traversals, int packet, int simd_width, int group, const LeafSizes& leaves, const float (&box)[6]);
 
   [[nodiscard]] std::string choice(Query query) const override;
   [[nodiscard]] const Intersector& suited(const RayView& slice, Query query) const noexcept override { return of(chosen_for(slice, query)); }
@@ -36,6 +37,7 @@ private:
   Traversals traversals_;
   int packet_;
   int least_beam_;
+  bool whole_groups_;
   LeafSizes leaves_;
   std::array<float, 6> box_;
   mutable std::array<std::atomic<unsigned>, 2> chosen_{};  ///< by query: all choices so far, for records alone

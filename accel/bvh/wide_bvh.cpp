@@ -28,12 +28,12 @@ public:
   }
   [[nodiscard]] const BuildStats& stats() const noexcept override { return tree_.stats; }
   [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
-    const std::string traversal = bind<BvhParams>(options.params).traversal;
-    if (traversal == "beam") return beams(options);
-    if (traversal == "stream") return streams(options);
-    if (traversal == "single") return singles(options);
+    const BvhParams params = bind<BvhParams>(options.params);
+    if (params.traversal == "beam") return beams(options);
+    if (params.traversal == "stream") return streams(options);
+    if (params.traversal == "single") return singles(options);
     return std::make_unique<AutoIntersector>(AutoIntersector::Traversals{beams(options), streams(options), singles(options)}, options.packet,
-                                             simd_width(options.isa), leaves_, view_.box);
+                                             simd_width(options.isa), params.group, leaves_, view_.box);
   }
 
 private:

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "accel/bvh/beam_estimate.h"
+#include "accel/bvh/auto_intersector.h"
 #include "accel/registry.h"
 #include "core/trace/trace.h"
 #include "tests/support/test_rays.h"
@@ -37,6 +37,15 @@ LeafSizes cubes(int leaves, float side) {
 
 constexpr float kBox[6] = {-1, -1, -1, 1, 1, 1};
 
+/// A group of 16 x 16 pixels in beams of 4 x 4, seen from 5 away. The box, of side 2, ends 6 away, where the four rays looked at, the diagonal's pixels 0, 5,
+/// 10 and 15 with a variance of 31.25 on each axis, are 6 * pixel * sqrt(6 * 2 * 31.25) wide.
+void add_group(RayBatch& rays, double pixel) {
+  for (int i = 0; i < 256; ++i) {
+    const int x = 4 * (i / 16 % 4) + i % 4, y = 4 * (i / 64) + i / 4 % 4;
+    rays.push_back(test::make_ray({0, 0, -5}, {pixel * (x - 7.5), pixel * (y - 7.5), 1}));
+  }
+}
+
 TEST(BeamEstimate, MeasuresLeavesByTheirMeanProjectedArea) {
   const LeafSizes leaves = cubes(5, 2);  // a cube of side 2 has a surface of 24, seen from everywhere 6 on the mean
   EXPECT_NEAR(leaves.per_width, 2 / std::sqrt(6.0), 1e-6);
@@ -59,14 +68,9 @@ TEST(BeamEstimate, ComparesABeamsWidthHalfWayWithLeaves) {
 }
 
 TEST(BeamEstimate, FindsTheWidestGroupOfASlice) {
-  RayBatch rays;  // two groups of 16 x 16 pixels each, seen from 5 away; the box, of side 2, ends 6 away
-  for (const double pixel : {0.001, 0.002}) {
-    for (int i = 0; i < 256; ++i) {
-      const int x = 4 * (i / 16 % 4) + i % 4, y = 4 * (i / 64) + i / 4 % 4;
-      rays.push_back(test::make_ray({0, 0, -5}, {pixel * (x - 7.5), pixel * (y - 7.5), 1}));
-    }
-  }
-  const double width = 6 * 0.001 * std::sqrt(6 * 2 * 31.25);  // the diagonal's pixels 0, 5, 10 and 15 have a variance of 31.25 on each axis
+  RayBatch rays;
+  for (const double pixel : {0.001, 0.002}) add_group(rays, pixel);
+  const double width = 6 * 0.001 * std::sqrt(6 * 2 * 31.25);
   EXPECT_NEAR(group_width(rays.view(0, 256), kBox), width / 2, 1e-4);
   EXPECT_NEAR(group_width(rays.view(), kBox), width, 1e-3);
   EXPECT_EQ(group_width(RayBatch().view(), kBox), 0);
@@ -81,6 +85,41 @@ TEST(BeamEstimate, LeavesOutWhatIsNoRay) {
   rays.set(10, test::make_ray({0, 0, 0}, {std::numeric_limits<double>::quiet_NaN(), 0, 1}));
   EXPECT_NEAR(leaves_per_ray(rays.view(), kBox, cubes(8, 1)), 1, 1e-6);
   EXPECT_EQ(leaves_per_ray(RayBatch().view(), kBox, cubes(8, 1)), kBeamRays);
+}
+
+class NoTraversal final : public Intersector {
+  void closest_hit(const RayView&, const HitView&, Counters*, std::byte*) const noexcept override {}
+  void any_hit(const RayView&, std::int32_t*, Counters*, std::byte*) const noexcept override {}
+};
+
+/// Whether beams take a group where they are expected to meet `met` leaves for each that a ray meets, of cubes of a side.
+bool beams_take(double met, float side, int group, Query query) {
+  const double size = std::sqrt(1.5) * side;  // a cube's mean projected area is 1.5 side^2
+  // Half-way, 5 away, four pixels a side have a variance of 1.25 on each axis.
+  const double pixel = (std::sqrt(met) - 1) * size / (5 * std::sqrt(6 * 2 * 1.25));
+  RayBatch rays;
+  add_group(rays, pixel);
+  EXPECT_NEAR(leaves_per_ray(rays.view(), kBox, cubes(8, side)), met, 1e-3);
+  auto beams = std::make_unique<NoTraversal>();
+  const Intersector* const taken = beams.get();
+  const AutoIntersector automatic({std::move(beams), std::make_unique<NoTraversal>(), std::make_unique<NoTraversal>()}, kMaxPacket, 16, group, cubes(8, side),
+                                  kBox);
+  return &automatic.suited(rays.view(), query) == taken;
+}
+
+TEST(AutoTraversal, GivesBeamsMoreLeavesWhereSlimGroupsShareTheirWay) {
+  const float slim = 0.001f, wide = 0.02f;  // groups of 0.004 and 0.07 of the box where 4 leaves are met
+  for (const float side : {slim, wide}) {
+    EXPECT_TRUE(beams_take(2.9, side, 256, Query::closest)) << side;
+    EXPECT_TRUE(beams_take(2.9, side, 16, Query::closest)) << side;
+    EXPECT_FALSE(beams_take(5.1, side, 256, Query::closest)) << side;
+    EXPECT_TRUE(beams_take(1.09, side, 256, Query::any)) << side;
+    EXPECT_FALSE(beams_take(1.11, side, 256, Query::any)) << side;
+  }
+  EXPECT_TRUE(beams_take(4, slim, 256, Query::closest));
+  EXPECT_FALSE(beams_take(4, wide, 256, Query::closest));
+  EXPECT_FALSE(beams_take(4, slim, 16, Query::closest));  // each beam goes down alone
+  EXPECT_FALSE(beams_take(4, slim, 256, Query::any));
 }
 
 TEST(AutoTraversal, ChoosesForEachSliceAndSaysWhat) {
