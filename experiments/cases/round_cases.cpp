@@ -42,10 +42,10 @@ Problem concentric(int, std::uint64_t) {
   return finished(std::move(problem));
 }
 
-/// Haines, Guenther, Akenine-Moeller 2019, measured on 200,000 rays: false misses and false hits at 10, 100, ... No more are excused.
+/// The measurement of Haines, Guenther, Akenine-Moeller 2019, whose formula has 0, 0, 2, 31, 241 and 2364 false misses and false hits of 200,000 at 10, 100,
+/// ...
 template <int kDistance>
 Problem far_sphere(int count, std::uint64_t seed) {
-  constexpr std::array<double, 6> kPublished{0, 0, 2, 31, 241, 2364};
   Problem problem;
   problem.scene.add_sphere({0, 0, 0}, 1);
   Random random(seed);
@@ -54,7 +54,6 @@ Problem far_sphere(int count, std::uint64_t seed) {
     const glm::dvec3 org(glm::vec3(power_of_ten(kDistance) * away));
     add(problem, ray(org, glm::normalize(1.2 * std::sqrt(random.uniform()) * across - org)), kUnknown);
   }
-  problem.set.expected.excused = static_cast<std::int64_t>(kPublished[kDistance - 1] * count / 200'000);
   return solved(std::move(problem));
 }
 template Problem far_sphere<1>(int count, std::uint64_t seed);

@@ -19,7 +19,7 @@ def cases_draft(cells: Sequence[Cell]) -> Draft | None:
     caption = (
         "Wrong answers to hard cases: false misses, false hits, wrong primitives and hits of the surface that a ray leaves, the worst over instruction sets and packet sizes. "
         "The colour deepens with the share of rays that they are of, on a logarithmic scale from 1 in a million; 0 has none. Grey and in brackets: within the errors that raymeter's kernels declare "
-        "(underflow, coordinates beyond the supported range, or as many as are published for the formula). Where a field is empty the technique was not run. raymeter list scenes says "
+        "(underflow, or coordinates beyond the supported range). Where a field is empty the technique was not run. raymeter list scenes says "
         "what each case is."
     )
     return Draft("hard_cases", "Hard cases", caption, cases_figure(cells))

@@ -207,21 +207,20 @@ struct SilhouetteErrors {
   }
 };
 
-TEST_P(PrimitiveKernels, FarSpheresAreHitAndMissedNoWorseThanPublished) {
+/// The published formula (Haines, Guenther, Akenine-Moeller 2019) without more tells that some of the rays are hard.
+TEST_P(PrimitiveKernels, FarSpheresAreHitAndMissedAsInExactArithmetic) {
   Scene scene;
   scene.add_sphere({0, 0, 0}, 1);
   scene.finish();
   const verify::SphereShape sphere = verify::sphere_at(scene.pools(), 0);
-  // Haines, Guenther, Akenine-Moeller 2019, measured on as many rays: false misses plus false hits.
-  for (const auto& [distance, published] : {std::pair{1e1, 0}, {1e2, 0}, {1e3, 2}, {1e4, 31}, {1e5, 241}, {1e6, 2364}}) {
+  for (const double distance : {1e1, 1e2, 1e3, 1e4, 1e5, 1e6}) {
     SCOPED_TRACE(distance);
     const RayBatch rays = rays_at_far_sphere(distance);
     SilhouetteErrors robust, haines;
     robust.add(sphere, rays, trace(scene, rays));
     haines.add(sphere, rays, trace(scene, rays, "bvh:sphere_test=haines"));
-    EXPECT_LE(robust.wrong, published);
-    EXPECT_LE(robust.wrong, haines.wrong);
-    EXPECT_LE(robust.furthest, double{kSilhouetteError});
+    EXPECT_EQ(robust.wrong, 0);
+    EXPECT_GE(haines.wrong, distance > 1e5 ? 1 : 0);
     RecordProperty("wrong_at_1e" + std::to_string(std::lround(std::log10(distance))), std::to_string(robust.wrong) + " " + std::to_string(haines.wrong));
   }
 }
