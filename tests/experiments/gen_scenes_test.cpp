@@ -15,6 +15,7 @@
 #include "core/bounds/aabb.h"
 #include "experiments/scenes/generators.h"
 #include "experiments/scenes/scene_source.h"
+#include "tests/support/mesh_path.h"
 
 namespace raymeter {
 namespace {
@@ -134,7 +135,7 @@ TEST(Stadium, HasItsTeapotAndItsParts) {
 }
 
 TEST(Stadium, IsTheReferenceMesh) {
-  const std::string path = "../shared/meshes/teapot_stadium.ply.xz";
+  const std::string path = test::mesh_path("teapot_stadium");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
   const Scene file = load_scene(path), made = generate_scene("gen:stadium");
   ASSERT_EQ(made.prim_count(), file.prim_count());

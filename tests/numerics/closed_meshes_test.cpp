@@ -10,6 +10,7 @@
 
 #include "core/ray/generators.h"
 #include "experiments/scenes/scene_source.h"
+#include "tests/support/mesh_path.h"
 #include "tests/support/random.h"
 #include "tests/support/test_scenes.h"
 #include "tests/support/traces.h"
@@ -109,7 +110,7 @@ TEST_P(ClosedMeshes, HaveNoHolesFarFromTheOrigin) {
 }
 
 TEST_P(ClosedMeshes, HaveNoHolesInAScan) {
-  const std::string path = "../shared/meshes/armadillo.ply.xz";
+  const std::string path = test::mesh_path("armadillo");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
   static const Mesh mesh(load_scene(path), 100'000);
   EXPECT_EQ(misses(mesh), 0);
