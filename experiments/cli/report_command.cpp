@@ -45,7 +45,8 @@ ExitCode report(const std::vector<std::string>& folders) {
 
 void add_report(Cli& cli) {
   auto folders = std::make_shared<std::vector<std::string>>();
-  CLI::App& command = cli.add_command("report", "raymeter report results/quick/*", "Writes report.html, report.md and plots into results folders.");
+  CLI::App& command = cli.add_command("report", "raymeter report results/quick/*",
+                                      "Writes report.html, report.md and plots: of one run into its folder, of several into combined/ of the first.");
   command.add_option("folders", *folders, "Results folders")->required();
   command.callback([&cli, folders] { cli.action = [folders] { return report(*folders); }; });
 }
