@@ -105,7 +105,8 @@ void KdopPolytope::choose_edges(std::size_t face) {
 }
 
 double KdopPolytope::face_area(std::size_t face, double height, const Limits& low, const Limits& high) const noexcept {
-  const auto& [length, edges, to_point] = planes_[face];
+  const Plane& plane = planes_[face];
+  const auto& edges = plane.edge_slabs;
   std::array<double, 2> near, far;
   for (std::size_t e = 0; e < 2; ++e) {
     const double shift = trace(face, edges[e]).along * height;
@@ -113,7 +114,7 @@ double KdopPolytope::face_area(std::size_t face, double height, const Limits& lo
     far[e] = high[edges[e]] - shift;
   }
   Polygon polygon;
-  const auto add_corner = [&](double a, double b) { polygon.add(to_point[0] * a + to_point[1] * b, to_point[2] * a + to_point[3] * b); };
+  const auto add_corner = [&polygon, &to = plane.to_point](double a, double b) { polygon.add(to[0] * a + to[1] * b, to[2] * a + to[3] * b); };
   add_corner(near[0], near[1]);
   add_corner(far[0], near[1]);
   add_corner(far[0], far[1]);
