@@ -6,6 +6,7 @@
 
 #include <cstdint>
 
+#include "core/geometry/selection.h"
 #include "core/scene/primitive.h"
 
 namespace raymeter {
@@ -36,7 +37,7 @@ private:
 /// A list of indices but for what rays have met already.
 template <class L, std::uint32_t kSlots>
 struct UnmetRefs {
-  static constexpr bool kSelective = true;
+  static constexpr Selection kSelection = Selection::tested;
   const std::int32_t* list;
   std::uint32_t kind;
   PacketMailbox<kSlots>* mailbox;  ///< null: all are wanted

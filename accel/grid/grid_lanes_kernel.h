@@ -13,7 +13,7 @@ namespace raymeter {
 /// was tested there or earlier; one that it does not list was not. The builder keeps with each reference which neighbours list the same primitive.
 template <class L, DdaForm F>
 struct GridRefs {
-  static constexpr bool kSelective = true;
+  static constexpr Selection kSelection = Selection::tested;
   const std::uint32_t* list;
   const GridWalk<L, F>* walk;  // [group]
   std::uint32_t mailbox;       ///< neighbour bits to look at: all, or none to test whatever a cell lists

@@ -3,7 +3,8 @@
 // (classify_kernel.cpp, ray_order.h), and rays come sorted by cells, so that a packet, gathered from anywhere in the batch, shares one list.
 //
 // Events: leaf_visit once per ray, for its cell; of these empty_leaf_visit where its list is empty; prim_test per candidate that begins before the ray's
-// nearest hit so far and, where the list is long, meets the beam of its neighbours in the packet. No nodes. Rays that miss the scene's box visit nothing.
+// nearest hit so far and, where the list is long, meets the beam of its neighbours in the packet. Registers test eight candidates for a look at their hits, so
+// that executions exceed what some lane needs, and may have no such lane. No nodes. Rays that miss the scene's box visit nothing.
 //
 // Why no hit is lost. A cell's list holds all primitives that its rays can hit (beam.h). The search ends, and single candidates are passed over, where one
 // begins beyond the nearest hit: by the slab test of its padded box on the dominant axis alone, which is looser than that of the box; beams of a packet are
@@ -35,11 +36,11 @@ template <class L>
   return L::mul_add(crossing, Float(1.0f - kSlabPadding), -ray.slab_slack) <= hit.t;
 }
 
-/// A block of a cell's list. A candidate that begins beyond a ray's hit cannot improve it: timed kernels test registers against the rest of the block, as
-/// asking lane by lane would cost more than it saves.
-template <class L, int kGroups, bool kEachLane>
+/// A block of a cell's list. A candidate that begins beyond a ray's hit cannot improve it: registers are tested against the rest of the block, as asking for
+/// each candidate would cost them more than it saves.
+template <class L, int kGroups>
 struct CandidateRefs {
-  static constexpr bool kSelective = kEachLane;
+  static constexpr Selection kSelection = L::kWidth == 1 ? Selection::tested : Selection::counted;
   const Candidate* list;
   const Packet<L, kGroups>* packet;
   int axis;
@@ -53,7 +54,6 @@ struct CandidateRefs {
 
 template <Query Q, class L, int kGroups, class Stats>
 void visit_cell(const RayCellsView& view, const RayCell& cell, Packet<L, kGroups>& packet, Stats stats) noexcept {
-  using Refs = CandidateRefs<L, kGroups, Stats::kCounting || L::kWidth == 1>;
   typename L::Mask lanes[Packet<L, kGroups>::kCapacity];
   const int axis = cell.ray_class >> 1;
   const float sign = (cell.ray_class & 1) != 0 ? -1.0f : 1.0f;
@@ -66,7 +66,8 @@ void visit_cell(const RayCellsView& view, const RayCell& cell, Packet<L, kGroups
     if (!wanted) return;
     std::int32_t end = k + 1;
     while (end < cell.count && end - k < kBlock && cell.list[end].kind() == cell.list[k].kind()) ++end;
-    test_refs<Q, L, kGroups>(packet, lanes, view.pools, static_cast<PrimKind>(cell.list[k].kind()), end - k, Refs{cell.list + k, &packet, axis, sign}, stats);
+    test_refs<Q, L, kGroups>(packet, lanes, view.pools, static_cast<PrimKind>(cell.list[k].kind()), end - k,
+                             CandidateRefs<L, kGroups>{cell.list + k, &packet, axis, sign}, stats);
     k = end;
   }
 }

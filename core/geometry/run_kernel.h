@@ -5,6 +5,7 @@
 #include "core/geometry/cone_kernel.h"
 #include "core/geometry/polygon_kernel.h"
 #include "core/geometry/primitive_run.h"
+#include "core/geometry/selection.h"
 #include "core/geometry/sphere_kernel.h"
 #include "core/geometry/triangle_kernel.h"
 #include "core/ray/packet_loop.h"
@@ -13,21 +14,22 @@ namespace raymeter {
 
 /// A run's primitives by position in the pools.
 struct PositionRefs {
-  static constexpr bool kSelective = false;
+  static constexpr Selection kSelection = Selection::none;
   std::int32_t first;
   [[nodiscard]] std::int32_t index(std::int32_t k) const noexcept { return first + k; }
 };
 
 /// A run's primitives through a list of positions.
 struct ListedRefs {
-  static constexpr bool kSelective = false;
+  static constexpr Selection kSelection = Selection::none;
   const std::int32_t* list;
   [[nodiscard]] std::int32_t index(std::int32_t k) const noexcept { return list[k]; }
 };
 
 /// Tests `count` primitives of one kind against every group of the packet that has a lane in `lanes`.
-/// refs.index(k) gives the pool index of the k-th, test(ray, hit, i) the candidate, prim the pool's ids. Refs that are kSelective also say which of the lanes
-/// want the k-th: refs.wanted(lanes, group, k). kExpectHits: most of the primitives are hit by some lane, so that asking whether costs more than it saves.
+/// refs.index(k) gives the pool index of the k-th, test(ray, hit, i) the candidate, prim the pool's ids. Refs with a kSelection also say which of the lanes
+/// want the k-th: refs.wanted(lanes, group, k); the others cannot be improved by it. kExpectHits: most of the primitives are hit by some lane, so that asking
+/// whether costs more than it saves.
 template <Query Q, bool kExpectHits, class L, int kGroups, class Refs, class Stats, class Test>
 inline void test_primitives(Packet<L, kGroups>& packet, const typename L::Mask* lanes, std::int32_t count, const std::int32_t* prim, Refs refs, Stats stats,
                             Test test) noexcept {
@@ -36,21 +38,22 @@ inline void test_primitives(Packet<L, kGroups>& packet, const typename L::Mask* 
     const RayPacket<L>& ray = packet.ray[g];
     HitPacket<L>& hit = packet.hit[g];
     for (std::int32_t k = 0; k < count; ++k) {
-      typename L::Mask wanted = lanes[g];
-      if constexpr (Refs::kSelective) {
-        wanted = refs.wanted(wanted, g, k);
-        if (L::none(wanted)) continue;
+      typename L::Mask tested = lanes[g];
+      if constexpr (Refs::kSelection == Selection::tested) {
+        tested = refs.wanted(tested, g, k);
+        if (L::none(tested)) continue;
       }
       if constexpr (Stats::kCounting) {
-        const typename L::Mask tested = wanted & packet.live(g);
-        if (L::none(tested)) continue;  // the timed kernel tests on, to no effect
-        stats.template count<Event::prim_test, L>(tested);
+        typename L::Mask counted = tested & packet.live(g);
+        if (L::none(counted)) continue;  // the timed kernel tests on, to no effect
+        if constexpr (Refs::kSelection == Selection::counted) counted = refs.wanted(counted, g, k);
+        stats.template count<Event::prim_test, L>(counted);
       }
       const std::int32_t i = refs.index(k);
       const SurfaceHit<L> found = test(ray, hit, i);
       if (!kExpectHits && L::none(found.meets)) continue;
-      // Only lanes that asked: what the others would find depends on how the counting kernel skips.
-      const auto closer = wanted & improves(ray, hit, found, prim[i]);
+      // Only lanes that are tested: what the others would find depends on how the counting kernel skips.
+      const auto closer = tested & improves(ray, hit, found, prim[i]);
       if ((!kExpectHits || Stats::kCounting) && L::none(closer)) continue;
       stats.template count<Event::prim_hit, L>(closer);
       update<Q>(hit, closer, found, prim[i]);
