@@ -39,7 +39,7 @@ std::string expected(const ParamInfo& info) {
   if (std::holds_alternative<bool>(info.default_value)) return "true or false";
   if (std::holds_alternative<std::string>(info.default_value)) return info.choices.empty() ? "a text" : "one of " + joined(info.choices);
   const bool whole = std::holds_alternative<std::int64_t>(info.default_value);
-  return std::string(whole ? "a whole number" : "a number") + " from " + number_text(info.min) + " to " + number_text(info.max);
+  return std::string(whole ? "a whole number" : "a number") + " from " + number_range(info);
 }
 
 }  // namespace
@@ -59,6 +59,12 @@ std::string to_string(const ParamValue& value) {
       value);
 }
 
+std::string number_range(const ParamInfo& info) {
+  std::string text = number_text(info.min) + " to " + number_text(info.max);
+  for (const std::int64_t value : info.also) text += " or " + std::to_string(value);
+  return text;
+}
+
 std::string nearest_word(std::string_view word, std::span<const std::string_view> known) {
   std::string_view best;
   std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
@@ -75,7 +81,8 @@ std::string nearest_word(std::string_view word, std::span<const std::string_view
 namespace params_detail {
 
 void check_number(const ParamInfo& info, double value) {
-  if (!(value >= info.min && value <= info.max)) throw Error(std::string(info.key) + ": expected " + expected(info) + ", got " + number_text(value));
+  const bool beside = std::any_of(info.also.begin(), info.also.end(), [&](std::int64_t one) { return static_cast<double>(one) == value; });
+  if (!(value >= info.min && value <= info.max) && !beside) throw Error(std::string(info.key) + ": expected " + expected(info) + ", got " + number_text(value));
 }
 
 void check_choice(const ParamInfo& info, std::string_view value) {

@@ -27,11 +27,12 @@ struct ParamInfo {
   std::string_view key;
   std::string_view help;
   ParamValue default_value;
-  double min = 0;  ///< numbers only
+  double min = 0;  ///< numbers only, as are max and also
   double max = 0;
   std::vector<std::string_view> choices;  ///< strings only; empty: any text
   ParamUse use = ParamUse::build;
   std::vector<std::vector<std::string_view>> same_build;  ///< groups of choices that share a build; of a query the others have builds of their own
+  std::vector<std::int64_t> also;                         ///< whole numbers only: those allowed besides min to max
 };
 
 /// One row of a technique's static fields(): where the value lives and what is allowed. Default values stand in the struct alone.
@@ -47,6 +48,7 @@ struct Param {
   /// Whether it means anything beside the others; null: always.
   bool (*applies)(const Params&) = nullptr;
   std::vector<std::vector<std::string_view>> same_build = {};
+  std::vector<std::int64_t> also = {};
 };
 
 /// The same row, for settings alone in which the parameter means something.
@@ -55,6 +57,9 @@ template <class Params>
   row.applies = applies;
   return row;
 }
+
+/// The numbers that a parameter may be: "2 to 16 or 32".
+[[nodiscard]] std::string number_range(const ParamInfo& info);
 
 /// The known word nearest to `word`, for "did you mean"; empty where none is near.
 [[nodiscard]] std::string nearest_word(std::string_view word, std::span<const std::string_view> known);
@@ -75,7 +80,7 @@ template <class Params>
   const Params defaults;
   std::vector<ParamInfo> infos;
   for (const auto& field : Params::fields()) {
-    ParamInfo info{field.key, field.help, {}, field.min, field.max, field.choices, field.use, field.same_build};
+    ParamInfo info{field.key, field.help, {}, field.min, field.max, field.choices, field.use, field.same_build, field.also};
     std::visit(
         [&]<class T>(T Params::*member) {
           if constexpr (std::is_same_v<T, int>)

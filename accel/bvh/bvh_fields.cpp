@@ -115,13 +115,14 @@ std::vector<Field> BvhParams::fields() {
               "plane_bits",
               &BvhParams::plane_bits,
               "stream, single: bits of a plane of a node, in steps of the box around its children, rounded outwards: 2 to 8 in nodes of 128 bytes, 9 to 16 in "
-              "192; 32, and nothing between: floats, 256",
+              "192; 32: floats, 256",
               2,
-              kFloatPlanes,
+              16,
               {},
               ParamUse::query,
               nullptr,
-              {{"32"}}}),
+              {{"32"}},
+              {kFloatPlanes}}),
       where(by_bins, Field{"bins", &BvhParams::bins, "binned_sah, sbvh: bins per axis, where a node has at least that many primitives", 2, 64}),
       where(
           [](const BvhParams& p) { return by_sah(p) || by_wide_nodes(p); },

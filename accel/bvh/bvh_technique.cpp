@@ -25,8 +25,6 @@ ParamValues resolve_bvh(const ParamValues& values) {
   if (params.is_wide()) {
     if (params.volume != "aabb") throw Error("traversal: " + params.traversal + " needs volume=aabb, got " + params.volume);
     if (params.group % kBeamRays != 0) throw Error("group: expected a multiple of " + std::to_string(kBeamRays) + ", got " + std::to_string(params.group));
-    if (params.plane_bits > 16 && params.plane_bits != kFloatPlanes)
-      throw Error("plane_bits: expected 2 to 16, or 32 for floats, got " + std::to_string(params.plane_bits));
     if (params.width != 0) throw Error("width: traversal=" + params.traversal + " has nodes of its own, of 8 children; expected 0");
   }
   return resolved(params);

@@ -54,7 +54,15 @@ struct Catalog {
 std::string value_range(const ParamInfo& info) {
   if (std::holds_alternative<bool>(info.default_value)) return "true, false";
   if (std::holds_alternative<std::string>(info.default_value)) return info.choices.empty() ? "any text" : fmt::format("{}", fmt::join(info.choices, ", "));
-  return fmt::format("{} to {}", info.min, info.max);
+  return number_range(info);
+}
+
+/// Which values of a parameter need no build of their own.
+std::string shared_builds(const ParamInfo& info) {
+  std::vector<std::string> groups;
+  for (const auto& choices : info.same_build) groups.push_back(fmt::format("{}", fmt::join(choices, ", ")));
+  if (info.use == ParamUse::query) return groups.empty() ? "; query" : fmt::format("; query for {}, else a build of its own", fmt::join(groups, "; "));
+  return groups.empty() ? "" : fmt::format("; {} share a build", fmt::join(groups, " share a build; "));
 }
 
 std::string description(const TechniqueInfo& technique) {
@@ -64,9 +72,7 @@ std::string description(const TechniqueInfo& technique) {
   const bool has_query = std::ranges::any_of(infos, [](const ParamInfo& info) { return info.use == ParamUse::query; });
   text += fmt::format("\nParameters, with (default) and range{}:\n", has_query ? "; one marked 'query' needs no new build" : "");
   for (const ParamInfo& info : infos) {
-    std::string use = info.use == ParamUse::query ? "; query" : "";
-    for (const auto& choices : info.same_build) use += fmt::format("; {} share a build", fmt::join(choices, ", "));
-    text += fmt::format("  {:<22} ({}) {}{}\n  {:<22} {}\n", info.key, to_string(info.default_value), value_range(info), use, "", info.help);
+    text += fmt::format("  {:<22} ({}) {}{}\n  {:<22} {}\n", info.key, to_string(info.default_value), value_range(info), shared_builds(info), "", info.help);
   }
   return text;
 }

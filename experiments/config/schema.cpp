@@ -37,12 +37,18 @@ Json closed_object(Json properties, std::vector<std::string> required = {}) {
   return json;
 }
 
+Json whole_number_schema(const ParamInfo& info) {
+  const Json range = integer(static_cast<std::int64_t>(info.min), static_cast<std::int64_t>(info.max));
+  if (info.also.empty()) return range;
+  return {{"anyOf", {range, {{"enum", info.also}}}}};
+}
+
 Json param_schema(const ParamInfo& info) {
   Json json;
   if (std::holds_alternative<bool>(info.default_value))
     json = {{"type", "boolean"}};
   else if (std::holds_alternative<std::int64_t>(info.default_value))
-    json = integer(static_cast<std::int64_t>(info.min), static_cast<std::int64_t>(info.max));
+    json = whole_number_schema(info);
   else if (std::holds_alternative<double>(info.default_value))
     json = {{"type", "number"}, {"minimum", info.min}, {"maximum", info.max}};
   else if (info.choices.empty())

@@ -25,12 +25,14 @@ Json param_object(const ParamInfo& info) {
   if (std::holds_alternative<std::int64_t>(info.default_value)) {
     json["min"] = static_cast<std::int64_t>(info.min);
     json["max"] = static_cast<std::int64_t>(info.max);
+    if (!info.also.empty()) json["also"] = info.also;
   } else if (std::holds_alternative<double>(info.default_value)) {
     json["min"] = info.min;
     json["max"] = info.max;
   }
   if (!info.choices.empty()) json["choices"] = info.choices;
   json["use"] = info.use == ParamUse::build ? "build" : "query";
+  if (!info.same_build.empty()) json["same_build"] = info.same_build;
   json["help"] = info.help;
   return json;
 }

@@ -8,6 +8,7 @@
 
 #include "accel/registry.h"
 #include "core/base/error.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/random.h"
 #include "tests/support/test_rays.h"
 #include "tests/support/test_scenes.h"
@@ -153,7 +154,12 @@ TEST(QuantisedBvh, HasNodesOfHalfTheBytes) {
   }
 }
 
-TEST(QuantisedBvh, SaysWhichBitsThereAre) { EXPECT_THROW((void)parse_technique("bvh:traversal=stream,plane_bits=20"), Error); }
+TEST(QuantisedBvh, SaysWhichBitsThereAre) {
+  for (const int bits : {1, 17, 20, 31, 33}) {
+    expect_error_message([&] { (void)parse_technique("bvh:traversal=stream,plane_bits=" + std::to_string(bits)); },
+                         "bvh:plane_bits: expected a whole number from 2 to 16 or 32, got " + std::to_string(bits));
+  }
+}
 
 }  // namespace
 }  // namespace raymeter

@@ -124,6 +124,13 @@ class RunTest(RunInFolder):
         for command in ("run", "validate", "plan", "list", "describe", "schema", "env", "trace", "report", "compare"):
             self.assertTrue(self.raymeter(command, "--help").stdout.startswith("Example: raymeter " + command), command)
 
+    def test_describe_says_which_values_need_a_build(self) -> None:
+        text = self.raymeter("describe", "bvh").stdout
+        for line in ("plane_bits             (32) 2 to 16 or 32; query for 32, else a build of its own\n", "group                  (256) 16 to 256; query\n",
+                     "box_bounds             (padded) padded, tight; query for padded, else a build of its own\n",
+                     "; packet, heap share a build; beam, stream, single, auto share a build\n"):
+            self.assertIn(line, text)
+
     def test_an_empty_scene_runs(self) -> None:
         (self.folder / "empty.nff").write_text(EMPTY_SCENE)
         result = self.raymeter("run", self.write(config(matrix={"scene": ["empty.nff"]})), "--out", "r", "--progress", "none")
