@@ -68,6 +68,8 @@ struct StructureEntry {
   bool peer = false;
   /// Why it cannot serve a scene on an instruction set, or is not in this build at all; empty where it can. Null: it always can.
   std::string (*why_not)(const Scene& scene, Isa isa) = nullptr;
+  /// Whether a setting's intersectors are CellWalks too (core/trace/cell_walk.h). Null: never.
+  bool (*walks_cells)(const ParamValues& values) = nullptr;
 };
 
 /// What a technique's Params give the table.

@@ -77,6 +77,10 @@ inline constexpr StructureEntry kGridEntry{"grid",
                                            "Fujimoto, Tanaka, Iwata 1986; Amanatides, Woo 1987; Cleary, Wyvill 1988",
                                            param_infos<GridParams>,
                                            resolve_params<GridParams>,
-                                           build_grid};
+                                           build_grid,
+                                           nullptr,
+                                           false,
+                                           nullptr,
+                                           [](const ParamValues& values) { return bind<GridParams>(values).traversal == "lanes"; }};
 
 }  // namespace raymeter

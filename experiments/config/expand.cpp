@@ -77,6 +77,19 @@ void check_use(const std::vector<TechniqueAxis<Entry>>& axes, std::span<const En
   }
 }
 
+/// Throws Error where walks through cells are to be held against the truth and nothing that the matrix names walks.
+void check_walks(const Config& config) {
+  if (!config.verify.cells) return;
+  const Matrix& m = config.matrix;
+  if (std::ranges::all_of(m.rays, &RaysChoice::image))
+    throw Error("verify.cells: walks are those of ray sets, expected another than \"image\" among matrix.rays");
+  const auto walks = [](const TechniqueAxis<StructureEntry>& axis) {
+    return axis.entry->walks_cells != nullptr && std::ranges::any_of(param_products(axis), axis.entry->walks_cells);
+  };
+  if (std::ranges::none_of(m.structure, walks))
+    throw Error("verify.cells: no structure walks through cells, expected grid with traversal=lanes among matrix.structure");
+}
+
 std::vector<Experiment> scene_cells(const Config& config, const SceneChoice& scene) {
   std::vector<Experiment> cells;
   Experiment e;
@@ -182,6 +195,7 @@ std::vector<Experiment> expand(const Config& config, const Pattern& filter, cons
   const Matrix& m = config.matrix;
   check_use(m.first_hit, first_hits(), m.rays, takes_first_hit, "primary or image");
   check_use(m.occlusion, occlusions(), m.rays, takes_occlusion, "shadow or image");
+  check_walks(config);
   std::vector<Experiment> cells;
   std::set<std::string> seen;
   for (std::size_t s = 0; s < config.matrix.scene.size(); ++s) {

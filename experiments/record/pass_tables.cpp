@@ -57,7 +57,7 @@ void add_counter_rows(const Source& source, const Experiment& cell, const RowPha
 
 void add_accuracy_rows(const Source& source, const Experiment& cell, const RowPhase&, const AddRow& add) {
   const CheckRecord* const check = source.check(cell);
-  if (check == nullptr || !(check->accuracy || check->frame)) return;
+  if (check == nullptr || !(check->accuracy || check->frame || check->cells)) return;
   Row row(8);
   if (check->accuracy) {
     const AccuracyRecord& a = *check->accuracy;
@@ -69,8 +69,8 @@ void add_accuracy_rows(const Source& source, const Experiment& cell, const RowPh
     row.insert(row.end(), {number(error.rmse), number(error.psnr()), number(error.ssim)});
   }
   row.resize(11);
-  if (check->accuracy && check->accuracy->cells) {
-    const CellRecord& cells = *check->accuracy->cells;
+  if (check->cells) {
+    const CellRecord& cells = *check->cells;
     row.insert(row.end(),
                {number(cells.rays_checked), number(cells.rays_missing), number(cells.rays_at_risk), number(cells.cells_missed), number(cells.longest)});
   }

@@ -38,9 +38,8 @@ Json to_json(const CellRecord& cells) {
           {"longest", cells.longest}};
 }
 
-std::optional<CellRecord> cells_from_json(const nlohmann::json& json) {
-  if (json.is_null()) return std::nullopt;
-  return CellRecord{json.at("rays_checked"), json.at("rays_missing"), json.at("rays_at_risk"), json.at("cells_missed"), json.at("longest")};
+CellRecord cells_from_json(const nlohmann::json& json) {
+  return {json.at("rays_checked"), json.at("rays_missing"), json.at("rays_at_risk"), json.at("cells_missed"), json.at("longest")};
 }
 
 Json to_json(const AccuracyRecord& record) {
@@ -51,8 +50,7 @@ Json to_json(const AccuracyRecord& record) {
           {"self_hits", optional_json(record.self_hits)},
           {"t_ulp_p50", optional_json(record.t_ulp_p50)},
           {"t_ulp_p99", optional_json(record.t_ulp_p99)},
-          {"t_ulp_max", optional_json(record.t_ulp_max)},
-          {"cells", record.cells ? to_json(*record.cells) : Json(nullptr)}};
+          {"t_ulp_max", optional_json(record.t_ulp_max)}};
 }
 
 AccuracyRecord accuracy_from_json(const nlohmann::json& json) {
@@ -63,8 +61,7 @@ AccuracyRecord accuracy_from_json(const nlohmann::json& json) {
           optional_value<std::int64_t>(json.value("self_hits", nlohmann::json())),
           optional_value<double>(json.at("t_ulp_p50")),
           optional_value<double>(json.at("t_ulp_p99")),
-          optional_value<double>(json.at("t_ulp_max")),
-          cells_from_json(json.value("cells", nlohmann::json()))};
+          optional_value<double>(json.at("t_ulp_max"))};
 }
 
 SceneRecord scene_from_json(const nlohmann::json& json) {
@@ -105,6 +102,7 @@ CheckRecord check_from_json(const nlohmann::json& json) {
   if (json.contains("frame")) record.frame = frame_from_json(json["frame"]);
   if (json.contains("hits")) record.hits = json["hits"].get<std::int64_t>();
   if (json.contains("demand")) record.demand = demand_from_json(json["demand"]);
+  if (json.contains("cells")) record.cells = cells_from_json(json["cells"]);
   return record;
 }
 
@@ -149,6 +147,7 @@ Json to_json(const CheckRecord& record) {
   if (record.frame) json["frame"] = to_json(*record.frame);
   if (record.hits) json["hits"] = *record.hits;
   if (record.demand) json["demand"] = to_json(*record.demand);
+  if (record.cells) json["cells"] = to_json(*record.cells);
   return json;
 }
 

@@ -57,7 +57,6 @@ struct AccuracyRecord {
   std::int64_t wrong_prim = 0;
   std::optional<std::int64_t> self_hits;
   std::optional<double> t_ulp_p50, t_ulp_p99, t_ulp_max;
-  std::optional<CellRecord> cells;  ///< where it was asked for and rays walk
 };
 
 /// What one frame consists of and how far it is from the one that is cut nowhere (min_weight 0, same max_depth).
@@ -91,6 +90,7 @@ struct CheckRecord {
   std::optional<FrameRecord> frame;  ///< of images
   std::optional<std::int64_t> hits;  ///< of ray sets: rays that hit, or are blocked
   std::optional<DemandRecord> demand{};
+  std::optional<CellRecord> cells{};  ///< where it was asked for and rays walk
 };
 
 /// A phase's part of one timed frame.

@@ -104,9 +104,9 @@ void SceneRun::check_ray_set(Live& live, const Verification& verification) {
   const bool finds_distances = answers_.kind == Answers::Kind::closest && *record.hits > 0;
   if (verdicts.accuracy) record.accuracy = to_record(*verdicts.accuracy, finds_distances);
   const auto* const walk = context_.config.verify.cells ? dynamic_cast<const CellWalk*>(live.intersector.get()) : nullptr;
-  if (walk != nullptr && record.accuracy) {
+  if (walk != nullptr) {
     const CellAccuracy cells = verify_cells(*walk, live.rays->rays, {context_.config.verify.max_tests, cell.seed});
-    record.accuracy->cells = CellRecord{cells.rays_checked, cells.rays_missing, cells.rays_at_risk, cells.cells_missed, cells.longest};
+    record.cells = CellRecord{cells.rays_checked, cells.rays_missing, cells.rays_at_risk, cells.cells_missed, cells.longest};
   }
   if (!verdicts.right) {
     record.status = Status::wrong;

@@ -6,7 +6,7 @@
 namespace raymeter {
 
 AccuracyRecord to_record(const Accuracy& accuracy, bool distances) {
-  AccuracyRecord record{accuracy.rays_checked, accuracy.false_miss, accuracy.false_hit, accuracy.wrong_prim, accuracy.self_hits, {}, {}, {}, {}};
+  AccuracyRecord record{accuracy.rays_checked, accuracy.false_miss, accuracy.false_hit, accuracy.wrong_prim, accuracy.self_hits, {}, {}, {}};
   if (distances) {
     record.t_ulp_p50 = accuracy.t_ulp_p50;
     record.t_ulp_p99 = accuracy.t_ulp_p99;

@@ -40,6 +40,28 @@ TEST(Config, SaysWhichKeyIsUnknown) {
             "c.json: matrix.structure[1].bns: unknown key; did you mean bins?");
 }
 
+TEST(Config, AsksForWalksOnlyWhereSomethingWalks) {
+  const auto walked = [](const std::string& structure, const std::string& rays) {
+    return R"({"name": "n", "verify": {"oracle": false, "cells": true}, "matrix": {"scene": "spd:balls:1", "structure": [{"name": "bvh"}, )" + structure +
+           R"(], "rays": )" + rays + "}}";
+  };
+  const std::string nothing_walks = "verify.cells: no structure walks through cells, expected grid with traversal=lanes among matrix.structure";
+  EXPECT_EQ(message(walked(R"({"name": "grid"})", R"("primary")")), "no error");
+  EXPECT_EQ(message(walked(R"({"name": "grid", "traversal": ["slices", "lanes"]})", R"(["image", "primary"])")), "no error");
+  EXPECT_EQ(message(walked(R"({"name": "grid", "traversal": "slices"})", R"("primary")")), nothing_walks);
+  EXPECT_EQ(message(walked(R"({"name": "recursive_grid"})", R"("primary")")), nothing_walks);
+  EXPECT_EQ(message(walked(R"({"name": "grid"})", R"("image")")),
+            "verify.cells: walks are those of ray sets, expected another than \"image\" among matrix.rays");
+}
+
+TEST(Config, HoldsNumbersOutsideOfARangeThatAreAllowed) {
+  const auto with_bits = [](const char* bits) {
+    return std::string(R"({"name": "n", "matrix": {"scene": "spd:balls:1", "structure": {"name": "bvh", "traversal": "stream", "plane_bits": )") + bits + "}}}";
+  };
+  EXPECT_EQ(message(with_bits("[2, 16, 32]")), "no error");
+  EXPECT_EQ(message(with_bits("[8, 20]")), "c.json: matrix.structure.plane_bits[1]: expected a whole number from 2 to 16 or 32, got 20");
+}
+
 TEST(Config, OptionalScenesMayBeAbsentAndNothingElse) {
   const auto with_scene = [](const std::string& scene) { return R"({"name": "n", "matrix": {"scene": [)" + scene + R"(], "structure": {"name": "list"}}})"; };
   const std::vector<Experiment> cells = expand(parse(with_scene(R"({"file": "${NOWHERE}/a.ply", "optional": true}, {"file": "absent.ply", "optional": true},

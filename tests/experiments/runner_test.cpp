@@ -76,7 +76,7 @@ protected:
 
   /// Runs balls with the list and with another structure.
   RunResult run(const StructureEntry& entry, const std::string& more = "") {
-    const std::string text = R"({"name": "t", "matrix": {"scene": "spd:balls:1", "structure": [{"name": "list"}, {"name": "bvh"}], "isa": "scalar"},
+    const std::string text = R"({"name": "t", "matrix": {"scene": "spd:balls:1", "structure": [{"name": "list"}, {"name": "grid"}], "isa": "scalar"},
       "image": {"width": 16, "height": 16}, "measure": {"samples": 3})" +
                              more + "}";
     const Config config = parse_config(text, "c.json", {}, [](const std::string&) -> const char* { return nullptr; });
@@ -104,18 +104,24 @@ protected:
 };
 
 TEST_F(Runner, HoldsTheWalksOfGridsAgainstTheTruthWhereAskedTo) {
-  for (const bool asked : {true, false}) {
-    std::filesystem::remove_all(folder_);
-    run(structure_entry("grid"), asked ? R"(, "verify": {"cells": true})" : "");
-    std::size_t walks = 0;
-    for (const auto& [cell, check] : records().checks) {
-      ASSERT_TRUE(check.accuracy) << cell;
-      if (!check.accuracy->cells) continue;
-      ++walks;
-      EXPECT_EQ(check.accuracy->cells->rays_checked, 256);
-      EXPECT_EQ(check.accuracy->cells->rays_at_risk, 0);
+  for (const bool oracle : {true, false}) {
+    for (const bool asked : {true, false}) {
+      SCOPED_TRACE(std::string(oracle ? "oracle" : "no oracle") + (asked ? ", asked" : ""));
+      std::filesystem::remove_all(folder_);
+      run(structure_entry("grid"),
+          std::string(R"(, "verify": {"oracle": )") + (oracle ? "true" : "false") + R"(, "cells": )" + (asked ? "true" : "false") + "}");
+      std::size_t walks = 0;
+      for (const auto& [cell, check] : records().checks) {
+        EXPECT_EQ(check.accuracy.has_value(), oracle) << cell;
+        if (!check.cells) continue;
+        ++walks;
+        EXPECT_EQ(check.cells->rays_checked, 256);
+        EXPECT_EQ(check.cells->rays_at_risk, 0);
+      }
+      EXPECT_EQ(walks, asked ? 1u : 0u) << "of the grid, none of the list";
+      std::ifstream table(folder_ / "accuracy.csv");
+      EXPECT_EQ(std::count(std::istreambuf_iterator<char>(table), {}, '\n'), 1 + (oracle ? 2 : asked ? 1 : 0));
     }
-    EXPECT_EQ(walks, asked ? 1u : 0u) << "of the grid, none of the list";
   }
 }
 
