@@ -6,8 +6,8 @@
 
 namespace raymeter {
 
-/// The parameters whose defaults give right answers and other values give them up for speed: tests (core/geometry/weak_tests.h), when planes of cells are
-/// crossed, how much of a list is tested.
+/// The parameters whose defaults are proven to give right answers and whose other values need not: tests (core/geometry/weak_tests.h), when planes of cells are
+/// crossed, how much of a list is tested. Of some of these, as of dda=divide, there is a proof too; they are listed like the rest.
 inline constexpr std::string_view kTestParams[] = {"box_test",      "box_padding", "box_bounds", "reciprocal",
                                                    "triangle_test", "sphere_test", "dda",        "most_candidates"};
 

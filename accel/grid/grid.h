@@ -2,9 +2,21 @@
 
 #include <array>
 
+#include "accel/grid/grid_layout.h"
 #include "accel/technique.h"
 
 namespace raymeter {
+
+/// The forms of the DDA (dda_form_kernel.h) and what they are called, the default first.
+struct NamedDdaForm {
+  std::string_view name;
+  DdaForm form;
+};
+inline constexpr std::array<NamedDdaForm, 5> kDdaForms{{{"recompute", DdaForm::recompute},
+                                                        {"divide", DdaForm::divide},
+                                                        {"fma", DdaForm::fma},
+                                                        {"accumulate", DdaForm::accumulate},
+                                                        {"compensated", DdaForm::compensated}}};
 
 struct GridParams {
   double density = 4.0;
@@ -18,12 +30,14 @@ struct GridParams {
   double margin = 1.0 / 512;
   bool mailbox = true;
   std::string traversal = "lanes";
-  std::string dda = "recompute";
+  std::string dda{kDdaForms.front().name};
   std::string start = "t_min";
   std::string blocker = "first";
 
   static auto fields() {
     using Field = Param<GridParams>;
+    std::vector<std::string_view> forms;
+    for (const NamedDdaForm& one : kDdaForms) forms.push_back(one.name);
     constexpr auto automatic = [](const GridParams& p) { return p.resolution == "auto"; };
     return std::array{
         where<GridParams>(automatic, Field{"density", &GridParams::density, "cells per primitive", 0.01, 64}),
@@ -42,14 +56,10 @@ struct GridParams {
         Field{"margin", &GridParams::margin, "share of a cell that its list reaches beyond it at least; rays from far away need more", 0, 0.25},
         Field{"mailbox", &GridParams::mailbox, "test hardly any primitive twice for one ray", 0, 0, {}, ParamUse::query},
         Field{"traversal", &GridParams::traversal, "lanes step each on its own, or packets go slice by slice", 0, 0, {"lanes", "slices"}, ParamUse::query},
-        where<GridParams>([](const GridParams& p) { return p.traversal == "lanes"; },
-                          Field{"dda",
-                                &GridParams::dda,
-                                "where the next plane's t comes from: its index (recompute and divide, which lose nothing; fma) or a sum of steps",
-                                0,
-                                0,
-                                {"recompute", "divide", "fma", "accumulate", "compensated"},
-                                ParamUse::query}),
+        where<GridParams>(
+            [](const GridParams& p) { return p.traversal == "lanes"; },
+            Field{"dda", &GridParams::dda, "where the next plane's t comes from: its index (recompute and divide, which lose nothing; fma) or a sum of steps",
+                  0, 0, forms, ParamUse::query}),
         where<GridParams>([](const GridParams& p) { return p.traversal == "lanes"; },
                           Field{"start",
                                 &GridParams::start,

@@ -56,7 +56,6 @@ struct GridView {
   bool mailbox;
   bool from_origin;      ///< rays walk from their origin on, even where their interval begins later
   bool nearest_blocker;  ///< rays that ask for any hit end at the nearest
-  DdaForm dda;
 };
 
 }  // namespace raymeter

@@ -1,5 +1,4 @@
-#include <algorithm>
-#include <array>
+#include <optional>
 #include <utility>
 
 #include "accel/grid/grid.h"
@@ -12,23 +11,38 @@ namespace raymeter {
 
 namespace {
 
-constexpr std::array<std::pair<std::string_view, DdaForm>, 5> kForms{{{"recompute", DdaForm::recompute},
-                                                                      {"divide", DdaForm::divide},
-                                                                      {"fma", DdaForm::fma},
-                                                                      {"accumulate", DdaForm::accumulate},
-                                                                      {"compensated", DdaForm::compensated}}};
+/// What of the kernels there is once for each form of the DDA.
+struct FormKernels {
+  KernelSet<GridView> lanes;
+  decltype(&CellWalkKernel<Isa::scalar, DdaForm::recompute>::walk) walk;
+};
 
-DdaForm form_named(std::string_view name) noexcept { return std::ranges::find(kForms, name, &std::pair<std::string_view, DdaForm>::first)->second; }
+template <DdaForm F>
+struct OfForm {
+  template <Isa I, class Stats>
+  using Lanes = GridLanesKernel<I, Stats, F>;
+
+  static FormKernels kernels(Isa isa) noexcept {
+    return {kernels_for<Lanes, GridView>(isa), for_isa(isa, []<Isa I>() { return CellWalkKernel<I, F>::walk; })};
+  }
+};
+
+/// Of the form of that name, which is among the parameter's choices; else throws std::bad_optional_access.
+FormKernels kernels_of_form(std::string_view name, Isa isa) {
+  std::optional<FormKernels> found;
+  const auto look_at = [&]<std::size_t kAt>() {
+    if (kDdaForms[kAt].name == name) found = OfForm<kDdaForms[kAt].form>::kernels(isa);
+  };
+  [&]<std::size_t... kAt>(std::index_sequence<kAt...>) { (look_at.template operator()<kAt>(), ...); }
+  (std::make_index_sequence<kDdaForms.size()>());
+  return found.value();
+}
 
 /// Lanes that step each on its own, and can show where.
 class LanesIntersector final : public KernelIntersector<GridView>, public CellWalk {
 public:
-  LanesIntersector(const UniformGrid& grid, const GridView& view, const QueryOptions& options)
-      : KernelIntersector(
-            view, view.dda == DdaForm::recompute ? kernels_for<GridLanesKernel, GridView>(options.isa) : kernels_for<DdaFormsKernel, GridView>(options.isa),
-            options.packet),
-        grid_(grid),
-        walk_(for_isa(options.isa, []<Isa I>() { return CellWalkKernel<I>::walk; })) {}
+  LanesIntersector(const UniformGrid& grid, const GridView& view, const FormKernels& kernels, int packet)
+      : KernelIntersector(view, kernels.lanes, packet), grid_(grid), walk_(kernels.walk) {}
 
   [[nodiscard]] Cells cells() const override {
     Cells cells;
@@ -50,7 +64,7 @@ public:
 private:
   static_assert(kWalksEverywhere == kEverywhere);
   const UniformGrid& grid_;
-  decltype(&CellWalkKernel<Isa::scalar>::walk) walk_;
+  decltype(FormKernels::walk) walk_;
 };
 
 class Grid final : public Structure {
@@ -66,11 +80,11 @@ public:
   [[nodiscard]] const BuildStats& stats() const noexcept override { return stats_; }
   [[nodiscard]] std::unique_ptr<Intersector> intersector(const QueryOptions& options) const override {
     const auto params = bind<GridParams>(options.params);
-    const GridView view = grid_.view(params.mailbox, params.start == "origin", params.blocker == "nearest", form_named(params.dda));
+    const GridView view = grid_.view(params.mailbox, params.start == "origin", params.blocker == "nearest");
     if (params.traversal == "slices") {
       return std::make_unique<KernelIntersector<GridView>>(view, kernels_for<GridSlicesKernel, GridView>(options.isa), options.packet);
     }
-    return std::make_unique<LanesIntersector>(grid_, view, options);
+    return std::make_unique<LanesIntersector>(grid_, view, kernels_of_form(params.dda, options.isa), options.packet);
   }
 
 private:

@@ -12,9 +12,9 @@ std::int64_t CellRange::count() const noexcept {
 
 std::int64_t UniformGrid::cell_count() const noexcept { return std::int64_t{frame.resolution[0]} * frame.resolution[1] * frame.resolution[2]; }
 
-GridView UniformGrid::view(bool mailbox, bool from_origin, bool nearest_blocker, DdaForm dda) const noexcept {
-  GridView view{pools.view(), frame, occupied.data(), first.data(), refs.data(),     static_cast<std::int32_t>(kinds.size()),
-                {},           {},    mailbox,         from_origin,  nearest_blocker, dda};
+GridView UniformGrid::view(bool mailbox, bool from_origin, bool nearest_blocker) const noexcept {
+  GridView view{pools.view(), frame, occupied.data(), first.data(), refs.data(),    static_cast<std::int32_t>(kinds.size()),
+                {},           {},    mailbox,         from_origin,  nearest_blocker};
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     view.kind[k] = kinds[k];
     view.prim_count[k] = static_cast<std::int32_t>(pools.size(kinds[k]));

@@ -23,7 +23,7 @@ struct UniformGrid {
   Column<std::uint32_t> refs;  ///< in the scene's order within a cell and kind
 
   [[nodiscard]] std::int64_t cell_count() const noexcept;
-  [[nodiscard]] GridView view(bool mailbox, bool from_origin, bool nearest_blocker, DdaForm dda) const noexcept;
+  [[nodiscard]] GridView view(bool mailbox, bool from_origin, bool nearest_blocker) const noexcept;
 };
 
 /// The cells that a box touches, per axis from `low` to `high`, both included.

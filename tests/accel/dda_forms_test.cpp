@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "accel/grid/grid.h"
 #include "accel/weak_settings.h"
 #include "core/trace/cell_walk.h"
 #include "experiments/cases/hard_case.h"
@@ -17,7 +18,6 @@ namespace {
 
 using namespace test;
 
-constexpr std::array<std::string_view, 5> kForms{"recompute", "divide", "fma", "accumulate", "compensated"};
 constexpr std::array<std::string_view, 3> kCases{"cells_across", "cell_corners", "cell_rows"};
 constexpr OracleBudget kAll{1e12, 1, 1};
 
@@ -40,6 +40,22 @@ CellAccuracy accuracy(const Problem& problem, std::string_view form, std::string
   return verify_cells(Built(problem.scene, grid(form, resolution), isa).walk(), problem.set.rays, kAll);
 }
 
+/// How far a ray may go at most in a cell that it misses, in cells, if crossings T are good to `roundings` of their exact times t. Spans of T cover the ray's
+/// way (grid_walk_kernel.h, 2), and T does not decrease along an axis: the cell is missed only if the largest T of its entries is no less than the smallest T
+/// of its exits, so that its span [t1, t2] has t2 - t1 <= roundings u (t1 + t2), times |dir| at most 2 roundings u |P - org|. The last factor: what their own
+/// products add.
+double longest_missed(const CellWalk::Cells& cells, const RayBatch& rays, int roundings) {
+  double furthest = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (cells.planes[a].empty()) continue;
+      const double org{rays[i].org[a]}, low{cells.box.min[static_cast<glm::length_t>(a)]}, high{cells.box.max[static_cast<glm::length_t>(a)]};
+      furthest = std::max(furthest, std::max(std::abs(low - org), std::abs(high - org)) / cells.cell_size[a]);
+    }
+  }
+  return 2 * roundings * 0x1p-24 * furthest * (1 + 0x1p-20);
+}
+
 TEST(DdaForms, FromThePlanesIndexAnswerAsTheList) {
   const Scene scene = mixed_scene(300, 0.2);
   RayBatch rays = random_rays(600);
@@ -56,7 +72,8 @@ TEST(DdaForms, FromThePlanesIndexAnswerAsTheList) {
   }
 }
 
-TEST(DdaForms, EndOnAnyRayAndHardlyLoseAHit) {
+/// None of these is proven to find all, but on these rays, the same on every machine, lists reach further than they err.
+TEST(DdaForms, EndOnAnyRayAndLoseNoneOfTheseHits) {
   const Scene scene = mixed_scene(300, 0.2);
   RayBatch rays = lattice_rays(3000, 1);
   const RayBatch random = random_rays(1000);
@@ -65,10 +82,8 @@ TEST(DdaForms, EndOnAnyRayAndHardlyLoseAHit) {
     if (!available(isa)) continue;
     const Answer list = answer(scene, rays, "list", isa, 16);
     for (const std::string_view form : {"fma", "accumulate", "compensated"}) {
-      const Answer found = answer(scene, rays, grid(form, "64x64x64"), isa, 16);
-      std::size_t others = 0;
-      for (std::size_t i = 0; i < rays.size(); ++i) others += found.hits.prim[i] != list.hits.prim[i] ? 1 : 0;
-      EXPECT_LE(others, rays.size() / 100) << form << ' ' << name(isa);
+      SCOPED_TRACE(std::string(form) + ' ' + std::string(name(isa)));
+      expect_same_hits(answer(scene, rays, grid(form, "64x64x64"), isa, 16).hits, list.hits, rays);
     }
   }
 }
@@ -79,13 +94,13 @@ TEST(DdaForms, AreWeakSettingsButForTheDefault) {
     return answers_for_itself(*technique.structure, technique.params);
   };
   EXPECT_FALSE(weak("grid"));
-  for (const std::string_view form : kForms) EXPECT_EQ(weak("grid:dda=" + std::string(form)), form != "recompute") << form;
+  for (const auto& [form, which] : kDdaForms) EXPECT_EQ(weak("grid:dda=" + std::string(form)), which != DdaForm::recompute) << form;
   EXPECT_THROW((void)parse_technique("grid:traversal=slices,dda=divide"), Error);
 }
 
 TEST(CellWalk, ShowsTheCellsThatTracedRaysVisit) {
   const Problem problem = hard_case("cells_across").make(2000, 3);
-  for (const std::string_view form : kForms) {
+  for (const auto& [form, which] : kDdaForms) {
     for (const Isa isa : kIsas) {
       if (!available(isa)) continue;
       const Built built(problem.scene, grid(form, "100x90x3"), isa, 1);
@@ -122,13 +137,15 @@ TEST(CellWalk, FromThePlanesIndexMissesNoCellForLongerThanListsReach) {
   for (const std::string_view name : kCases) {
     const Problem problem = hard_case(name).make(1000, 5);
     for (const std::string_view resolution : {"16x16x1", "61x67x5", "512x512x8"}) {
-      for (const std::string_view form : {"recompute", "divide"}) {
+      for (const auto& [form, roundings] : {std::pair{"recompute", 3}, std::pair{"divide", 2}}) {
         for (const Isa isa : kIsas) {
           if (!available(isa)) continue;
-          const CellAccuracy found = accuracy(problem, form, resolution, isa);
-          EXPECT_EQ(found.rays_checked, 1000) << name;
-          EXPECT_EQ(found.rays_at_risk, 0) << name << ' ' << resolution << ' ' << form << ' ' << raymeter::name(isa);
-          EXPECT_LT(found.longest, 1e-3) << name << ' ' << resolution << ' ' << form << ' ' << raymeter::name(isa);
+          SCOPED_TRACE(std::string(name) + ' ' + std::string(resolution) + ' ' + form + ' ' + std::string(raymeter::name(isa)));
+          const Built built(problem.scene, grid(form, resolution), isa);
+          const CellAccuracy found = verify_cells(built.walk(), problem.set.rays, kAll);
+          EXPECT_EQ(found.rays_checked, 1000);
+          EXPECT_EQ(found.rays_at_risk, 0);
+          EXPECT_LE(found.longest, longest_missed(built.walk().cells(), problem.set.rays, roundings));
         }
       }
     }
@@ -139,12 +156,15 @@ TEST(CellWalk, DriftsWhereStepsAreAddedUpUnlessTheirLossIsKept) {
   const Problem problem = hard_case("cells_across").make(1000, 5);
   for (const Isa isa : kIsas) {
     if (!available(isa)) continue;
+    SCOPED_TRACE(name(isa));
     const CellAccuracy exact = accuracy(problem, "recompute", "1024x1024x4", isa), drift = accuracy(problem, "accumulate", "1024x1024x4", isa),
                        kept = accuracy(problem, "compensated", "1024x1024x4", isa);
-    EXPECT_GT(drift.longest, 8 * exact.longest) << name(isa);
-    EXPECT_GT(drift.rays_missing, 2 * exact.rays_missing) << name(isa);
-    EXPECT_LT(kept.longest, 4 * exact.longest) << name(isa);
-    EXPECT_GT(drift.longest, 8 * accuracy(problem, "accumulate", "64x64x1", isa).longest) << name(isa);
+    // Further than three roundings could lead it, and within them.
+    const double by_index = longest_missed(Built(problem.scene, grid("recompute", "1024x1024x4"), isa).walk().cells(), problem.set.rays, 3);
+    EXPECT_GT(drift.longest, by_index);
+    EXPECT_LE(kept.longest, by_index);
+    EXPECT_GT(drift.rays_missing, exact.rays_missing);
+    EXPECT_GT(drift.longest, accuracy(problem, "accumulate", "64x64x1", isa).longest);
   }
 }
 
