@@ -23,9 +23,11 @@ inline void test_triangles(const TriangleBlock& block, std::uint32_t triangles, 
     for (std::uint32_t left = triangles; left != 0; left &= left - 1) {
       const int t = __builtin_ctz(left);
       if constexpr (Stats::kCounting) {
-        const auto asking = lanes[g] & (hit.t > typename L::Float(-kInfinity));
-        if (L::none(asking)) break;  // the timed kernel tests on, to no effect
-        stats.template count<Event::prim_test, L>(asking);
+        const auto live = hit.t > typename L::Float(-kInfinity);
+        if (L::none(live)) break;  // the timed kernel tests on, to no effect
+        // A split triangle reaches beyond its leaf's box: rays beside the box are tested, but did not ask.
+        const auto asking = lanes[g] & live;
+        if (!L::none(asking)) stats.template count<Event::prim_test, L>(asking);
       }
       const SurfaceHit<L> found = intersect_triangle<L, kExpectHits>(shear(ray, column, block.corner[0][t]), shear(ray, column, block.corner[1][t]),
                                                                      shear(ray, column, block.corner[2][t]));
