@@ -31,14 +31,7 @@ requires(L::kWidth == 1) struct VolumeRays<AabbLayout, L> {
   }
   template <bool kUniform>
   [[nodiscard]] [[gnu::always_inline]] SlabInterval<L> line(const RayPacket<L>& ray, const BoxPlanes<L, kUniform>& planes) const noexcept {
-    using Float = typename L::Float;
-    Float t_near(-kInfinity), t_far(kInfinity);
-    for (int a = 0; a < 3; ++a) {
-      const Float near_plane = kUniform ? planes.first[a] : L::select(ray.negative[a], planes.last[a], planes.first[a]);
-      const Float far_plane = kUniform ? planes.last[a] : L::select(ray.negative[a], planes.first[a], planes.last[a]);
-      t_near = L::max((near_plane - ray.org[a]) * near_scale[a], t_near);
-      t_far = L::min((far_plane - ray.org[a]) * far_scale[a], t_far);
-    }
+    const auto [t_near, t_far] = line_between_planes(ray, planes, near_scale, far_scale);
     return {t_near - ray.slab_slack, t_far + ray.slab_slack};
   }
 };

@@ -33,17 +33,26 @@ struct BoxPlanes {
   }
 };
 
-/// The whole line's interval in the box, not clipped to the ray's.
+/// Where the whole line is between a box's planes, with scales of each axis for the way to the planes that it meets first and last: 1 / dir, grown or not.
 template <class L, bool kUniform>
-[[gnu::always_inline]] inline SlabInterval<L> line_in_box(const RayPacket<L>& ray, const BoxPlanes<L, kUniform>& planes) noexcept {
+[[gnu::always_inline]] inline SlabInterval<L> line_between_planes(const RayPacket<L>& ray, const BoxPlanes<L, kUniform>& planes,
+                                                                  const typename L::Float (&near_scale)[3], const typename L::Float (&far_scale)[3]) noexcept {
   using Float = typename L::Float;
   Float t_near(-kInfinity), t_far(kInfinity);
   for (int a = 0; a < 3; ++a) {
     const Float near_plane = kUniform ? planes.first[a] : L::select(ray.negative[a], planes.last[a], planes.first[a]);
     const Float far_plane = kUniform ? planes.last[a] : L::select(ray.negative[a], planes.first[a], planes.last[a]);
-    t_near = L::max((near_plane - ray.org[a]) * ray.inv_dir[a], t_near);
-    t_far = L::min((far_plane - ray.org[a]) * ray.inv_dir[a], t_far);
+    t_near = L::max((near_plane - ray.org[a]) * near_scale[a], t_near);
+    t_far = L::min((far_plane - ray.org[a]) * far_scale[a], t_far);
   }
+  return {t_near, t_far};
+}
+
+/// The whole line's interval in the box, not clipped to the ray's.
+template <class L, bool kUniform>
+[[gnu::always_inline]] inline SlabInterval<L> line_in_box(const RayPacket<L>& ray, const BoxPlanes<L, kUniform>& planes) noexcept {
+  using Float = typename L::Float;
+  const auto [t_near, t_far] = line_between_planes(ray, planes, ray.inv_dir, ray.inv_dir);
   return {L::mul_add(t_near, Float(1.0f - kSlabPadding), -ray.slab_slack), L::mul_add(t_far, Float(1.0f + kSlabPadding), ray.slab_slack)};
 }
 
