@@ -74,7 +74,7 @@ inline void test_refs(Packet<L, kGroups>& packet, const typename L::Mask* lanes,
       break;
     case PrimKind::sphere:
       test_all(
-          pools.spheres.prim, [&](Ray ray, Hit, std::int32_t i) noexcept __attribute__((always_inline)) { return intersect_sphere(ray, pools.spheres, i); });
+          pools.spheres.prim, [&](Ray ray, Hit, std::int32_t i) __attribute__((always_inline)) { return intersect_sphere(ray, pools.spheres, i); });
       break;
     case PrimKind::polygon:
       test_all(pools.polygons.prim, [&](Ray ray, Hit hit, std::int32_t i) noexcept { return intersect_polygon(ray, hit, pools.polygons, i); });
