@@ -23,7 +23,7 @@ def best_figure(best: dict[str, list[Cell]], varying: Sequence[str], looks: dict
     height = row_height * len(best) + FOOT
     figure = new_figure(PAGE_WIDTH, height, layout=None)  # names and settings stand outside of the panels
     grid = figure.subplots(len(best), len(MEASURES), squeeze=False, sharex="col")
-    figure.subplots_adjust(NAMES, FOOT / height, 1 - SETTINGS, 1 - HEAD / height, wspace=0.12, hspace=HEAD / (ROW * most))
+    figure.subplots_adjust(NAMES, FOOT / height, 1 - SETTINGS, 1 - HEAD / height, wspace=0.38, hspace=HEAD / (ROW * most))
     for row, (scene, cells) in zip(grid, best.items()):
         for axes, measure in zip(row, MEASURES):
             draw_measure(axes, measure, cells, looks)
