@@ -20,7 +20,7 @@ namespace raymeter {
 namespace {
 
 template <Query Q, class L, class Stats>
-void test_block_of_group(const TriangleBlock& block, std::uint64_t rays, StreamGroup<L>& group, Stats stats) noexcept {
+[[gnu::always_inline]] inline void test_block_of_group(const TriangleBlock& block, std::uint64_t rays, StreamGroup<L>& group, Stats stats) noexcept {
   const StreamAxes axes = group.axes;
   const BlockTriangles<L> triangles(block, axes);
   std::uint64_t blocked = 0;
@@ -45,7 +45,8 @@ void test_block_of_group(const TriangleBlock& block, std::uint64_t rays, StreamG
 }
 
 template <Query Q, class L, class Stats>
-void test_spheres_of_group(const SphereView& pool, PrimitiveRun run, std::uint64_t rays, StreamGroup<L>& group, Stats stats) noexcept {
+[[gnu::always_inline]] inline void test_spheres_of_group(const SphereView& pool, PrimitiveRun run, std::uint64_t rays, StreamGroup<L>& group,
+                                                         Stats stats) noexcept {
   const std::int32_t* const prim = pool.prim + run.first;
   std::uint64_t blocked = 0;
   for (; rays != 0; rays &= rays - 1) {
@@ -76,7 +77,8 @@ void test_spheres_of_group(const SphereView& pool, PrimitiveRun run, std::uint64
 
 /// Other primitives, rays in lanes.
 template <Query Q, class L, class Stats>
-void test_run_of_group(const WideBvhView& bvh, PrimitiveRun run, std::uint64_t rays, StreamGroup<L>& group, Stats stats) noexcept {
+[[gnu::always_inline]] inline void test_run_of_group(const WideBvhView& bvh, PrimitiveRun run, std::uint64_t rays, StreamGroup<L>& group,
+                                                     Stats stats) noexcept {
   constexpr std::uint64_t kAll = (1u << L::kWidth) - 1;
   typename L::Mask lanes[Packet<L, 0>::kCapacity];
   for (int g = 0; g < group.packet.group_count(); ++g) {
@@ -113,7 +115,7 @@ template <Query Q, class L, class Stats>
 [[gnu::always_inline]] inline void test_leaf(const WideBvhView& bvh, const RayView& rays_of_slice, const std::int32_t* source, Descent<L>& at,
                                              Stats stats) noexcept {
   count_rays<Event::leaf_visit, L>(at.rays, stats);
-  if (at.child.tag() == WideRef::Tag::block) {
+  if (at.child.tag() == WideRef::Tag::block) [[likely]] {
     test_block_of_group<Q>(bvh.blocks[at.child.index()], at.rays, at.group, stats);
   } else if (const PrimitiveRun run = bvh.runs[at.child.index()]; run.kind() == PrimKind::sphere) {
     test_spheres_of_group<Q>(bvh.pools.spheres, run, at.rays, at.group, stats);

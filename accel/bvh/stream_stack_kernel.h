@@ -73,7 +73,7 @@ template <class View>
 [[gnu::always_inline]] inline void prefetch_child(const View& bvh, WideRef child) noexcept {
   const char* const target = address_of(bvh, child);
   const SphereView& spheres = bvh.pools.spheres;
-  if (spheres.prim == nullptr) {
+  if (spheres.prim == nullptr) [[likely]] {
     for (int line = 0; line < 4; ++line) __builtin_prefetch(target + 64 * line);
     return;
   }
