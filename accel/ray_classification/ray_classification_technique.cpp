@@ -23,7 +23,7 @@ class Classifier final : public Intersector, public OnDemand {
 public:
   Classifier(const ClassifiedScene& scene, const Pools& pools, const RayClassificationParams& params, const QueryOptions& options)
       : scene_(scene),
-        classify_(for_isa(options.isa, []<Isa I>() -> Classify { return ClassifyKernel<I>::keys; })),
+        classify_(for_isa(options.isa, []<Isa I>() { return ClassifyKernel<I>::keys; })),
         kernels_(kernels_for<RayClassificationKernel, RayCellsView>(options.isa)),
         packet_(options.packet),
         cells_(scene, params) {

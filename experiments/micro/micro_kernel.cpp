@@ -59,7 +59,7 @@ template <Isa I>
 MicroSums MicroKernel<I>::spheres(const MicroTargets& targets, const RayView& rays) noexcept {
   using L = Lanes<I>;
   return test_all<L>(
-      targets, rays, [&](const RayPacket<L>& ray, const HitPacket<L>&, std::int32_t i) noexcept __attribute__((always_inline)) {
+      targets, rays, [&](const RayPacket<L>& ray, const HitPacket<L>&, std::int32_t i) __attribute__((always_inline)) {
         return intersect_sphere(ray, targets.pools.spheres, i);
       });
 }

@@ -128,8 +128,8 @@ std::string build_text(const Experiment& cell) {
     const std::string& name = key;  // clang 14 captures no structured bindings
     const auto info = std::find_if(infos.begin(), infos.end(), [&](const ParamInfo& one) { return one.key == name; });
     if (info == infos.end()) continue;
-    const auto same =
-        std::ranges::find_if(info->same_build, [&](const auto& choices) { return std::ranges::find(choices, to_string(value)) != choices.end(); });
+    const std::string written = to_string(value);
+    const auto same = std::ranges::find_if(info->same_build, [&](const auto& choices) { return std::ranges::find(choices, written) != choices.end(); });
     if (info->use == ParamUse::query && (info->same_build.empty() || same != info->same_build.end())) continue;
     params.emplace_back(key, same == info->same_build.end() ? value : ParamValue(fmt::format("{}", fmt::join(*same, "|"))));
   }

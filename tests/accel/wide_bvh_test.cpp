@@ -64,9 +64,10 @@ TEST(WideTraversal, LosesNoHitAtVerticesNearFarSmallAndLarge) {
     double size;
     glm::dvec3 corner;
   } places[] = {{1, {0, 0, 0}}, {1, {-0.5, -0.5, -0.5}}, {100, {1e6, -1e6, 1e6}}, {1e-8, {0, 0, 0}}, {1e8, {0, 0, 0}}};
-  for (const auto& [size, corner] : places) {
-    const Scene scene = hills(n, size, corner);
-    const RayBatch rays = beams(n, size, corner);
+  for (const auto& place : places) {
+    const double size = place.size;  // clang 14 captures no structured bindings
+    const Scene scene = hills(n, size, place.corner);
+    const RayBatch rays = beams(n, size, place.corner);
     for (const Isa isa : kIsas) {
       if (!available(isa)) continue;
       const Answer list = answer(scene, rays, "list", isa, simd_width(isa));
