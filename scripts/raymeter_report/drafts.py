@@ -18,6 +18,7 @@ from .figure_scatter import Point, run_order_figure, scatter_figure
 from .figure_peer import peer_duels, peer_figure
 from .figure_memory import budget_lines, memory_figure
 from .figure_price_list import price_list_figure
+from .figure_simd import against_one_ray, simd_figure
 from .figure_sweep import sweep, sweep_figure
 from .figure_wrong import wrong_answers, wrong_figure
 from .frames import cuts
@@ -180,6 +181,19 @@ def sweep_drafts(cells: Sequence[Cell], look_of: dict[str, Look]) -> list[Draft]
             caption += " The dashed line is perfect scaling."
         result.append(Draft(name, title, caption, sweep_figure(data, cells, look_of, axis, ideal=column == "threads")))
     return result
+
+
+def simd_draft(runs: Sequence[Run], cells: Sequence[Cell]) -> Draft | None:
+    """Speed of packets against one ray at a time; None where no config asks for it."""
+    found = against_one_ray(runs, cells)
+    if not found:
+        return None
+    reference = next(run.reference for run in runs if run.name == found[0].run)
+    caption = (
+        f"Speed of packets of {found[0].summary['packet']:g} rays relative to one ray at a time on the {reference['isa']} instruction set, by the same technique on the same rays "
+        "and as many threads. Bars are 95 % confidence intervals of the median ratio."
+    )
+    return Draft("simd_speedup", "What packets and instruction sets give", caption, simd_figure(found))
 
 
 def scaling_draft(cells: Sequence[Cell], look_of: dict[str, Look]) -> Draft | None:

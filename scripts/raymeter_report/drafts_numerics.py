@@ -30,7 +30,7 @@ def reference_draft(runs: Sequence[Run], cells: Sequence[Cell]) -> Draft | None:
     found = against_other_rays(runs, cells)
     if not found:
         return None
-    of = next(run.manifest["config_text"]["measure"]["reference"]["rays"] for run in runs if run.name == found[0].run)
+    of = next(run.reference["rays"] for run in runs if run.name == found[0].run)
     kinds = " and ".join(dict.fromkeys(cell.rays for cell in found))
     caption = (
         f"What {kinds} rays cost: their time relative to that of {of} rays, by the same technique in the same run. At 1 both take as long; at the limit of 1.5 half as long again. "

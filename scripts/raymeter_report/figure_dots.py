@@ -62,7 +62,7 @@ def dot_figure(
 
 def scene_label(scene: str, size: float | None) -> str:
     """The scene and its size on a second line."""
-    name = shortened(scene)
+    name = "\n".join(shortened(line) for line in scene.split("\n"))
     return name if size is None else f"{name}\n{axis_number(float(f'{size:.3g}'))} primitives"
 
 

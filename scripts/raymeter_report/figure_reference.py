@@ -14,7 +14,7 @@ PACKET_COLOURS = [colour for name, colour in STRUCTURE_COLOURS.items() if name !
 
 def against_other_rays(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Cell]:
     """The cells whose reference differs in the kind of rays and in nothing else."""
-    references = {run.name: (run.manifest.get("config_text") or {}).get("measure", {}).get("reference") or {} for run in runs}
+    references = {run.name: run.reference for run in runs}
     return [
         cell
         for cell in cells

@@ -7,7 +7,7 @@ from pathlib import Path
 from .cells import Cell, at_setting, describe_setting, main_setting, rays_of
 from .drafts import (
     Draft, best_drafts, build_draft, counter_draft, error_draft, memory_draft, peer_draft, precision_draft, price_draft, price_list_draft, run_order_draft,
-    scaling_draft, scatter_draft, speed_draft, sweep_drafts, wrong_draft,
+    scaling_draft, scatter_draft, simd_draft, speed_draft, sweep_drafts, wrong_draft,
 )
 from .drafts_numerics import bounds_draft, cases_draft, offsets_draft, reference_draft, walks_draft
 from .records import Run
@@ -59,6 +59,7 @@ def drafts(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Draft]:
         build_draft(chosen, look_of),
         peer_draft(cells, look_of),
         *best_drafts(cells, look_of),
+        simd_draft(runs, cells),
         *sweep_drafts(cells, look_of),
         scaling_draft(cells, look_of),
         price_list_draft(runs, cells),

@@ -66,6 +66,11 @@ class Run:
         cells = self.manifest.get("cells")
         return cells if isinstance(cells, int) else 0
 
+    @property
+    def reference(self) -> dict[str, Value]:
+        """What the config says of the cells that ratio_vs_ref is held against; empty where it names none."""
+        return (self.manifest.get("config_text") or {}).get("measure", {}).get("reference") or {}
+
     def reason(self, cell_id: Value) -> str:
         """Why a cell was skipped or failed. The log knows cells by the part of their id before the scene's hash."""
         return self.reasons.get(str(cell_id).split("-", 1)[0], "")

@@ -1,18 +1,17 @@
 #!/usr/bin/python3
-"""Tests of what tables and figures of the report compute: of caches, peers, growth, ingredients, hard cases, other rays."""
+"""Tests of what tables and figures of the report compute: of caches, peers, growth, ingredients, hard cases, other rays, packets."""
 
 import json
 import math
 import sys
 import unittest
 from pathlib import Path
-from types import SimpleNamespace
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run
-from raymeter_report import cells, figure_cases, figure_peer, figure_reference, hard_cases, numbers, peer, price_list, records, scaling, shadow_cache, style
+from raymeter_report import cells, figure_cases, figure_peer, figure_reference, figure_simd, hard_cases, numbers, peer, price_list, records, scaling, shadow_cache, style
 from report_support import TemporaryFolder, run_cli
 
 
@@ -192,10 +191,37 @@ class OtherRays(unittest.TestCase):
 
         some = [cell("primary", ratio_vs_ref=1.0), cell("invalid", ratio_vs_ref=1.2, ratio_lo=1.1, ratio_hi=1.3), cell("invalid")]
         for reference, expected in (({"rays": "primary"}, [some[1]]), ({"rays": "primary", "isa": "scalar"}, []), (None, [])):
-            run = SimpleNamespace(name="run", manifest={"config_text": {"measure": {"reference": reference}}})
-            self.assertEqual(figure_reference.against_other_rays([run], some), expected)  # type: ignore[list-item]
+            run = records.Run(Path("run"), {"config_text": {"measure": {"reference": reference}}})
+            self.assertEqual(figure_reference.against_other_rays([run], some), expected)
         with style.styled():
             self.assertEqual(len(figure_reference.reference_figure([some[1]]).axes), 1)
+
+
+class OneRay(unittest.TestCase):
+    """Speed against one ray at a time."""
+
+    def test_the_largest_packets_on_as_many_threads(self) -> None:
+        def cell(isa: str, packet: float, threads: float, ratio: float | None, **more: str) -> cells.Cell:
+            summary = dict(scene="spd:balls:4", num_prims=7.0, rays="primary", phase="closest", structure="octree", params="", first_hit="cast", occlusion="none", isa=isa, packet=packet,
+                           threads=threads, status="ok", ratio_vs_ref=ratio, ratio_lo=0.2, ratio_hi=0.5)
+            return cells.Cell("run", summary | more, {}, {}, {}, label="octree", rays="primary")
+
+        wide = cell("avx2", 64.0, 1.0, 0.25)
+        some = [cell("scalar", 1.0, 1.0, 1.0), cell("scalar", 16.0, 1.0, 0.9), wide, cell("avx2", 64.0, 2.0, 0.13), cell("avx512", 64.0, 1.0, None),
+                cell("avx512", 64.0, 1.0, 0.2, status="wrong")]
+        for reference, expected in (
+            ({"isa": "scalar", "packet": 1, "threads": 1}, [wide]), ({"isa": "scalar", "packet": 16, "threads": 1}, []), ({"isa": "scalar", "packet": 1}, []), (None, [])
+        ):
+            run = records.Run(Path("run"), {"config_text": {"measure": {"reference": reference}}})
+            self.assertEqual(figure_simd.against_one_ray([run], some), expected)
+        dot = figure_simd.speed_up(wide)
+        self.assertEqual((dot.technique, dot.value, dot.low, dot.high), ("avx2", 4.0, 2.0, 5.0))
+        with style.styled():
+            axes = figure_simd.simd_figure([wide]).axes
+        self.assertEqual([one.get_xlabel() for one in axes], ["speed / speed of one ray at a time"])
+
+    def test_without_packets_there_is_nothing_to_show(self) -> None:
+        self.assertEqual(figure_simd.against_one_ray([], []), [])
 
 
 if __name__ == "__main__":
