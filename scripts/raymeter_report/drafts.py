@@ -188,10 +188,11 @@ def simd_draft(runs: Sequence[Run], cells: Sequence[Cell]) -> Draft | None:
     found = against_one_ray(runs, cells)
     if not found:
         return None
-    reference = next(run.reference for run in runs if run.name == found[0].run)
+    packets = " or ".join(dict.fromkeys(f"{cell.summary['packet']:g}" for cell in found))
+    scalar = " or ".join(dict.fromkeys(str(run.reference["isa"]) for run in runs if any(cell.run == run.name for cell in found)))
     caption = (
-        f"Speed of packets of {found[0].summary['packet']:g} rays relative to one ray at a time on the {reference['isa']} instruction set, by the same technique on the same rays "
-        "and as many threads. Bars are 95 % confidence intervals of the median ratio."
+        f"How many times as fast packets of {packets} rays are on each instruction set as one ray at a time on the {scalar} one: the same technique with the same parameters on the same rays and as "
+        f"many threads, in the same run. At the line both are as fast; {scalar} packets beyond it gain by what their rays share, the others by their registers besides. Bars are 95 % confidence intervals of the median ratio."
     )
     return Draft("simd_speedup", "What packets and instruction sets give", caption, simd_figure(found))
 

@@ -7,19 +7,22 @@ from matplotlib.figure import Figure
 from .cells import ISA_ORDER, Cell, isa_rank, rays_of, scenes_of, techniques_of
 from .figure_dots import Dot, Panel, dot_figure
 from .records import Run
-from .style import MARKERS, STRUCTURE_COLOURS, Look
+from .style import MARKERS, SPARE_COLOURS, STRUCTURE_COLOURS, Look
 
-ISA_COLOURS = dict(zip(ISA_ORDER, (STRUCTURE_COLOURS[name] for name in ("grid", "octree", "bvh", "kdtree"))))
+ISA_COLOURS = dict(zip(ISA_ORDER, (STRUCTURE_COLOURS["list"], *SPARE_COLOURS)))
 COLUMNS = 2
 
 
 def against_one_ray(runs: Sequence[Run], cells: Sequence[Cell]) -> list[Cell]:
-    """The cells of most rays a packet whose reference differs from them in instruction set and packet size and in nothing else."""
-    references = {run.name: run.reference for run in runs}
-    found = [cell for cell in cells if set(references.get(cell.run, {})) == {"isa", "packet", "threads"} and cell.state == "ok" and cell.number("ratio_vs_ref")]
-    found = [cell for cell in found if references[cell.run]["packet"] == 1 and cell.summary["threads"] == references[cell.run]["threads"]]
-    most = max((cell.number("packet") or 1.0 for cell in found), default=1.0)
-    return [cell for cell in found if most > 1 and cell.number("packet") == most]
+    """Of each run whose reference names instruction set, threads and packets of one ray and nothing else: the cells of as many threads and its largest packets."""
+    found = []
+    for run in runs:
+        if set(run.reference) != {"isa", "packet", "threads"} or run.reference["packet"] != 1:
+            continue
+        of_run = [cell for cell in cells if cell.run == run.name and cell.summary["threads"] == run.reference["threads"]]
+        most = max((cell.number("packet") or 1.0 for cell in of_run), default=1.0)
+        found += [cell for cell in of_run if most > 1 and cell.number("packet") == most and (cell.state == "failed" or cell.number("ratio_vs_ref"))]
+    return found
 
 
 def simd_figure(cells: Sequence[Cell]) -> Figure:
@@ -28,18 +31,28 @@ def simd_figure(cells: Sequence[Cell]) -> Figure:
     panels = []
     for scene in scenes_of(cells):
         for rays in kinds:
-            dots = [speed_up(cell) for cell in cells if (cell.scene, cell.rays) == (scene, rays)]
-            panels.append(Panel(scene if len(kinds) == 1 else f"{scene}, {rays}", "speed / speed of one ray at a time", dots, line=1.0))
-    looks = {isa: Look(ISA_COLOURS.get(isa, STRUCTURE_COLOURS["list"]), MARKERS[i]) for i, isa in enumerate(isas)}
-    return dot_figure(panels, dict.fromkeys(row(label) for label in techniques_of(cells)), looks, columns=COLUMNS)
+            here = [cell for cell in cells if (cell.scene, cell.rays) == (scene, rays)]
+            panels.append(
+                Panel(
+                    scene if len(kinds) == 1 else f"{scene}, {rays}",
+                    "times as fast as one ray at a time",
+                    [speed_up(cell) for cell in here if cell.state == "ok"],
+                    [(row(cell), str(cell.summary["isa"])) for cell in here if cell.state != "ok"],
+                    line=1.0,
+                )
+            )
+    looks = {isa: Look(ISA_COLOURS.get(isa, STRUCTURE_COLOURS["embree"]), MARKERS[i]) for i, isa in enumerate(isas)}
+    rows = dict.fromkeys(row(cell) for label in techniques_of(cells) for cell in cells if cell.label == label)
+    return dot_figure(panels, rows, looks, columns=COLUMNS)
 
 
-def row(label: str) -> str:
+def row(cell: Cell) -> str:
     """A technique's name above its parameters, a line each."""
-    return label.replace(":", "\n").replace(",", "\n")
+    return cell.label.replace(":", "\n").replace(",", "\n")
 
 
 def speed_up(cell: Cell) -> Dot:
     """The inverse of the time against the reference, and of its interval."""
-    value, low, high = (cell.number(column) for column in ("ratio_vs_ref", "ratio_hi", "ratio_lo"))
-    return Dot(row(cell.label), str(cell.summary["isa"]), 1 / (value or 1.0), low and 1 / low, high and 1 / high)
+    value, low, high = (1 / number if (number := cell.number(column)) else None for column in ("ratio_vs_ref", "ratio_hi", "ratio_lo"))
+    assert value is not None
+    return Dot(row(cell), str(cell.summary["isa"]), value, low, high)

@@ -11,7 +11,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run
-from raymeter_report import cells, figure_cases, figure_peer, figure_reference, figure_simd, hard_cases, numbers, peer, price_list, records, scaling, shadow_cache, style
+from raymeter_report import cells, drafts, figure_cases, figure_peer, figure_reference, figure_simd, hard_cases, numbers, peer, price_list, records, scaling, shadow_cache, style
 from report_support import TemporaryFolder, run_cli
 
 
@@ -204,21 +204,31 @@ class OneRay(unittest.TestCase):
         def cell(isa: str, packet: float, threads: float, ratio: float | None, **more: str) -> cells.Cell:
             summary = dict(scene="spd:balls:4", num_prims=7.0, rays="primary", phase="closest", structure="octree", params="", first_hit="cast", occlusion="none", isa=isa, packet=packet,
                            threads=threads, status="ok", ratio_vs_ref=ratio, ratio_lo=0.2, ratio_hi=0.5)
-            return cells.Cell("run", summary | more, {}, {}, {}, label="octree", rays="primary")
+            return cells.Cell("run", summary | more, {}, {}, {}, label="octree:leaf_size=32", rays="primary")
 
-        wide = cell("avx2", 64.0, 1.0, 0.25)
-        some = [cell("scalar", 1.0, 1.0, 1.0), cell("scalar", 16.0, 1.0, 0.9), wide, cell("avx2", 64.0, 2.0, 0.13), cell("avx512", 64.0, 1.0, None),
-                cell("avx512", 64.0, 1.0, 0.2, status="wrong")]
+        wide, wrong = cell("avx2", 64.0, 1.0, 0.25), cell("avx512", 64.0, 1.0, None, status="wrong")
+        some = [cell("scalar", 1.0, 1.0, 1.0), cell("scalar", 16.0, 1.0, 0.9), wide, cell("avx2", 64.0, 2.0, 0.13), cell("avx512", 64.0, 1.0, None), wrong]
         for reference, expected in (
-            ({"isa": "scalar", "packet": 1, "threads": 1}, [wide]), ({"isa": "scalar", "packet": 16, "threads": 1}, []), ({"isa": "scalar", "packet": 1}, []), (None, [])
+            ({"isa": "scalar", "packet": 1, "threads": 1}, [wide, wrong]), ({"isa": "scalar", "packet": 16, "threads": 1}, []), ({"isa": "scalar", "packet": 1}, []), (None, [])
         ):
             run = records.Run(Path("run"), {"config_text": {"measure": {"reference": reference}}})
             self.assertEqual(figure_simd.against_one_ray([run], some), expected)
         dot = figure_simd.speed_up(wide)
-        self.assertEqual((dot.technique, dot.value, dot.low, dot.high), ("avx2", 4.0, 2.0, 5.0))
+        self.assertEqual((dot.scene, dot.technique, dot.value, dot.low, dot.high), ("octree\nleaf_size=32", "avx2", 4.0, 2.0, 5.0))
+        run = records.Run(Path("run"), {"config_text": {"measure": {"reference": {"isa": "scalar", "packet": 1, "threads": 1}}}})
         with style.styled():
-            axes = figure_simd.simd_figure([wide]).axes
-        self.assertEqual([one.get_xlabel() for one in axes], ["speed / speed of one ray at a time"])
+            draft = drafts.simd_draft([run], some)
+        assert draft is not None
+        (axes,) = draft.figure.axes
+        self.assertEqual([label.get_text() for label in axes.get_yticklabels()], ["octree\nleaf_size=32"])
+        self.assertEqual([text.get_text() for text in draft.figure.legends[0].get_texts()], ["avx2", "failed: no value"])
+        self.assertIn("packets of 64 rays are on each instruction set as one ray at a time on the scalar one", draft.caption)
+
+    def test_each_run_has_its_own_largest_packets(self) -> None:
+        runs = [records.Run(Path(name), {"config_text": {"measure": {"reference": {"isa": "scalar", "packet": 1, "threads": 1}}}}) for name in ("a", "b")]
+        summary = dict(scene="s", threads=1.0, status="ok", ratio_vs_ref=0.5)
+        some = [cells.Cell(run, summary | dict(packet=packet), {}, {}, {}) for run, packet in (("a", 64.0), ("a", 16.0), ("b", 16.0), ("b", 1.0))]
+        self.assertEqual(figure_simd.against_one_ray(runs, some), [some[0], some[2]])
 
     def test_without_packets_there_is_nothing_to_show(self) -> None:
         self.assertEqual(figure_simd.against_one_ray([], []), [])
