@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -112,6 +113,15 @@ protected:
     trace_closest(*intersector, rays, hits, threads);
     return hits;
   }
+  [[nodiscard]] static Column<std::int32_t> trace_blockers(const Scene& scene, const RayBatch& rays, Isa isa, int packet) {
+    const TechniqueSpec spec = parse_technique(GetParam());
+    const auto structure = spec.structure->build(scene, spec.params, 1);
+    const auto intersector = structure->intersector({isa, packet, spec.params});
+    intersector->prepare(rays.view(), Query::any, 1);
+    Column<std::int32_t> blockers;
+    trace_any(*intersector, rays, blockers, 1);
+    return blockers;
+  }
   /// Equal bits where t is scaled by that.
   static void expect_same(const HitBatch& hits, const HitBatch& expected, float t_scale = 1) {
     for (std::size_t i = 0; i < hits.size(); ++i) {
@@ -212,30 +222,59 @@ TEST_P(Metamorphic, OrderOfRaysPacketsAndThreads) {
   });
 }
 
+/// Every way in which a ray is none: what a number of it may not be in each of them, no direction, an empty interval.
+std::vector<std::function<void(Ray&)>> spoilers() {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  std::vector<std::function<void(Ray&)>> ways;
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (const float number : {kNan, kInf, -kInf}) {
+      ways.emplace_back([=](Ray& ray) { ray.org[a] = number; });
+      ways.emplace_back([=](Ray& ray) { ray.dir[a] = number; });
+    }
+  }
+  for (const float zero : {0.0f, -0.0f}) ways.emplace_back([=](Ray& ray) { std::fill(ray.dir, ray.dir + 3, zero); });
+  ways.emplace_back([=](Ray& ray) { ray.t_min = kNan; });
+  ways.emplace_back([=](Ray& ray) { ray.t_max = kNan; });
+  ways.emplace_back([](Ray& ray) { ray.t_max = -kInf; });
+  ways.emplace_back([](Ray& ray) {
+    ray.t_min = kInf;
+    ray.t_max = 1e30f;
+  });
+  ways.emplace_back([](Ray& ray) { ray.t_max = std::nextafter(ray.t_min, -kInf); });
+  return ways;
+}
+
 TEST_P(Metamorphic, InvalidRaysLeaveTheOtherLanesAlone) {
   const World world = lattice_world(false);
   const Motion still{[](const dvec3& p) { return p; }};
   const Scene scene = scene_of(world, still, in_order(world.shapes.size()));
   const RayBatch rays = rays_of(world, still);
   RayBatch spoilt = rays;
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  std::vector<bool> invalid(rays.size());
-  for (std::size_t i = 0; i < rays.size(); i += 3) {
+  const auto ways = spoilers();
+  std::vector<std::size_t> way(rays.size(), ways.size());  // ways.size(): none
+  for (std::size_t i = 0; i < rays.size(); i += 3) {       // 3 and the registers' widths have no common divisor: every lane gets some
+    way[i] = i / 3 % ways.size();
     Ray ray = rays[i];
-    float* const field[8] = {ray.org, ray.org + 1, ray.org + 2, ray.dir, ray.dir + 1, ray.dir + 2, &ray.t_min, &ray.t_max};
-    *field[i / 3 % 8] = i % 2 == 0 || i / 3 % 8 >= 6 ? kNan : kInf;
+    ways[way[i]](ray);
     spoilt.set(i, ray);
-    invalid[i] = true;
   }
   on_each_isa([&](Isa isa) {
     HitBatch expected = trace(scene, rays, isa, 1);
+    std::set<std::size_t> would_hit;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      if (!invalid[i]) continue;
+      if (way[i] == ways.size()) continue;
+      if (expected.prim[i] >= 0) would_hit.insert(way[i]);
       expected.t[i] = kInf;
       expected.prim[i] = -1;
       expected.u[i] = expected.v[i] = 0;
     }
-    for (const int packet : {simd_width(isa), kMaxPacket}) expect_same(trace(scene, spoilt, isa, packet), expected);
+    ASSERT_EQ(would_hit.size(), ways.size()) << "a way that is tried on misses only tells nothing";
+    for (const int packet : {1, simd_width(isa), kMaxPacket}) {
+      expect_same(trace(scene, spoilt, isa, packet), expected);
+      const Column<std::int32_t> blockers = trace_blockers(scene, spoilt, isa, packet);
+      for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(blockers[i] >= 0, expected.prim[i] >= 0) << "ray " << i << " packet " << packet;
+      for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(blockers[i] >= 0 || blockers[i] == -1) << "ray " << i << " packet " << packet;
+    }
   });
 }
 
