@@ -59,6 +59,10 @@ std::vector<std::string> all_traversals() {
                               "traversal=auto", "traversal=auto,group=16", "traversal=stream,plane_bits=8", "traversal=single,plane_bits=5",
                               "builder=sbvh,split_overlap=0", "volume=sphere", "volume=obb", "volume=kdop", "volume=kdop,k=26"})
     texts.push_back("bvh:" + std::string(setting));
+  // ray_classification: with many rays a cell, so that its lists are long and packets' beams cull them.
+  for (const char* technique : {"grid:traversal=slices", "kdtree:traversal=packet", "bsp:traversal=packet", "octree:tracking=point_location",
+                                "octree:tracking=neighbour", "ray_classification:beams=true", "ray_classification:beams=true,min_rays=1000"})
+    texts.emplace_back(technique);
   return texts;
 }
 

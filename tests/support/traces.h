@@ -35,7 +35,7 @@ struct Reference {
   Reference(const Scene& scene, Isa isa);
 };
 
-/// Every structure with default parameters, and the settings of `bvh` whose kernels or volumes are others: as texts for parse_technique.
+/// Every structure with default parameters, and the settings whose kernels or volumes are others: as texts for parse_technique.
 [[nodiscard]] std::vector<std::string> all_traversals();
 /// The same as the name of a test.
 [[nodiscard]] std::string test_name(std::string_view technique);
