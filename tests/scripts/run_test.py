@@ -46,6 +46,37 @@ class RunTest(RunInFolder):
         self.assertEqual(sorted(path.name for path in folder.iterdir()),
                          sorted(["manifest.json", "environment.json", "samples.jsonl", "plan.jsonl", "benchmark.json"] + [f"{t}.csv" for t in [*COLUMNS, "break_even"]]))
 
+    def test_builds_hold_what_their_definitions_say(self) -> None:
+        listed = self.raymeter("list", "techniques", "--json")
+        self.assertEqual(listed.returncode, 0, listed.stderr)
+        structures = [{"name": entry["name"]} for entry in json.loads(listed.stdout) if entry["slot"] == "structure" and entry["name"] != "embree"]
+        self.assertGreaterEqual({structure["name"] for structure in structures},
+                                {"list", "bvh", "grid", "recursive_grid", "octree", "kdtree", "bsp", "ray_classification"})
+        document = config(matrix={"structure": structures, "packet": [16], "rays": ["primary"]}, measure={"samples": 0})
+        result = self.raymeter("run", self.write(document), "--out", "r", "--progress", "none")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        builds = self.rows(self.folder / "r", "builds")
+        scenes = {}
+        for line in (self.folder / "r" / "samples.jsonl").read_text().splitlines():
+            record = json.loads(line)
+            if record["type"] == "scene":
+                scenes[record["scene"]] = record
+        self.assertEqual({(row["scene"], row["structure"]) for row in builds}, {(scene, structure["name"]) for scene in scenes for structure in structures})
+        for row in builds:
+            with self.subTest(scene=row["scene"], structure=row["structure"]):
+                prims, memory, scene_bytes, build_ms = int(row["num_prims"]), int(row["mem_bytes"]), int(row["scene_bytes"]), float(row["build_ms"])
+                self.assertGreater(memory, 0)
+                self.assertGreater(build_ms, 0)
+                self.assertEqual(scene_bytes, scenes[row["scene"]]["scene_bytes"])
+                self.assertGreater(scene_bytes, prims * 16, "a sphere alone is four floats")
+                self.assertAlmostEqual(float(row["bytes_per_prim"]) * prims / (memory + scene_bytes), 1, delta=1e-8)  # nine digits
+                self.assertAlmostEqual(float(row["mprims_per_s"]) * build_ms * 1e3 / prims, 1, delta=2e-8)
+                if row["structure"] != "list":
+                    self.assertGreater(memory, 4 * prims, "it refers to each")
+        for row in self.rows(self.folder / "r", "summary"):
+            of_build = next(build for build in builds if build["cell_id"] == row["cell_id"])
+            self.assertEqual((row["mem_bytes"], row["build_ms"]), (of_build["mem_bytes"], of_build["build_ms"]))
+
     def test_measures_every_cell(self) -> None:
         result = self.raymeter("run", self.write(config()), "--out", "r", "--progress", "none")
         self.assertEqual(result.returncode, 0, result.stderr)
