@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/adversarial.h"
 #include "tests/support/answer.h"
 #include "tests/support/grid_rays.h"
 #include "tests/support/test_scenes.h"
@@ -12,7 +13,8 @@ namespace {
 
 using namespace test;
 
-constexpr std::array kTechniques{"kdtree", "kdtree:traversal=packet", "kdtree:clip=off,mailbox=off", "bsp", "bsp:traversal=packet,mailbox=off"};
+constexpr std::array<std::string_view, 5> kTechniques{"kdtree", "kdtree:traversal=packet", "kdtree:clip=off,mailbox=off", "bsp",
+                                                      "bsp:traversal=packet,mailbox=off"};
 
 std::vector<Isa> usable_isas() {
   std::vector<Isa> isas;
@@ -27,31 +29,6 @@ void expect_as_the_list(const Scene& scene, const RayBatch& rays, std::string_vi
   const Answer found = answer(scene, rays, technique, isa, packet);
   expect_same_hits(found.hits, list.hits, rays);
   for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(found.blocker[i] >= 0, list.blocker[i] >= 0) << "ray " << i;
-}
-
-/// Triangles, squares and spheres on whole coordinates 0 .. n: planes, of halves and of the heuristic, pass through vertices, edges and faces.
-Scene lattice_scene(int n, int count) {
-  std::mt19937 random(11);
-  Scene scene;
-  const auto corner = [&] {
-    glm::dvec3 p;
-    for (glm::length_t a = 0; a < 3; ++a) p[a] = static_cast<double>(random() % (static_cast<unsigned>(n) + 1));
-    return p;
-  };
-  for (int i = 0; i < count; ++i) {
-    const glm::dvec3 p = corner();
-    const auto a = static_cast<glm::length_t>(random() % 3);
-    glm::dvec3 u(0.0), v(0.0);
-    u[(a + 1) % 3] = v[(a + 2) % 3] = 1;
-    switch (i % 4) {
-      case 0: scene.add_triangle(p, p + u, p + v); break;
-      case 1: scene.add_polygon(std::array{p, p + u, p + u + v, p + v}); break;
-      case 2: scene.add_sphere(p, 0.5); break;
-      default: scene.add_triangle(p, corner(), corner());
-    }
-  }
-  scene.finish();
-  return scene;
 }
 
 TEST(KdTraversal, FindsPrimitivesLeftRightAndInThePlaneThatTheRayStartsIn) {
@@ -91,44 +68,22 @@ TEST(KdTraversal, FindsPrimitivesLeftRightAndInThePlaneThatTheRayStartsIn) {
   }
 }
 
-TEST(KdTraversal, AMillionAdversarialRaysEndAndAgreeWithTheList) {
-  constexpr int kRays = 1000000;
+class KdSteps : public testing::TestWithParam<std::string_view> {};
+
+TEST_P(KdSteps, AMillionAdversarialRaysVisitNoMoreNodesThanThereAreAndAgreeWithTheList) {
   const Scene scene = lattice_scene(8, 48);
-  const RayBatch rays = lattice_rays(kRays, 8);
-  const Isa isa = usable_isas().back();
-  const Answer list = answer(scene, rays, "list", isa, 64);
-  for (const char* technique : {"kdtree", "kdtree:traversal=packet", "bsp"}) {
-    const TechniqueSpec spec = parse_technique(technique);
-    const BuildStats stats = spec.structure->build(scene, spec.params, 1)->stats();
-    for (const int packet : {1, 64}) {
-      SCOPED_TRACE(std::string(technique) + ", packet " + std::to_string(packet));
-      const Answer found = answer(scene, rays, technique, isa, packet);
-      expect_same_hits(found.hits, list.hits, rays);
-      EXPECT_LE(found.closest.live(Event::node_visit), static_cast<std::uint64_t>(stats.interior_nodes) * kRays);
-      EXPECT_LE(found.closest.live(Event::leaf_visit), static_cast<std::uint64_t>(stats.leaves) * kRays);
-    }
+  const RayBatch rays = lattice_rays(kAdversarialRays, 8);
+  for (const Isa isa : {Isa::scalar, usable_isas().back()}) {
+    const HitBatch list = answer(scene, rays, "list", isa, 64).hits;
+    const Steps steps = expect_to_end_as_list(scene, rays, GetParam(), isa, list);
+    EXPECT_LE(steps.nodes, static_cast<std::uint64_t>(steps.stats.interior_nodes)) << name(isa);
+    EXPECT_LE(steps.leaves, static_cast<std::uint64_t>(steps.stats.leaves)) << name(isa);
+    EXPECT_GT(steps.leaves, 8u) << "no ray crosses the scene";
   }
 }
 
-TEST(KdTraversal, NoRayVisitsANodeTwice) {
-  const Scene scene = lattice_scene(8, 48);
-  const RayBatch rays = lattice_rays(20000, 8);
-  for (const std::string_view technique : kTechniques) {
-    const TechniqueSpec spec = parse_technique(technique);
-    const auto structure = spec.structure->build(scene, spec.params, 1);
-    const auto tracer = structure->intersector({Isa::scalar, 1, spec.params});
-    std::vector<std::byte> scratch(tracer->scratch_bytes() + 64);
-    auto* const aligned = scratch.data() + (-reinterpret_cast<std::uintptr_t>(scratch.data()) & 63);
-    HitBatch hits;
-    hits.resize(1);
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      Counters counters;
-      tracer->closest_hit(rays.view(i, 1), hits.view(), &counters, aligned);
-      ASSERT_LE(counters.live(Event::node_visit), static_cast<std::uint64_t>(structure->stats().interior_nodes)) << technique << " ray " << i;
-      ASSERT_LE(counters.live(Event::leaf_visit), static_cast<std::uint64_t>(structure->stats().leaves)) << technique << " ray " << i;
-    }
-  }
-}
+INSTANTIATE_TEST_SUITE_P(Techniques, KdSteps, testing::ValuesIn(kTechniques),
+                         [](const testing::TestParamInfo<std::string_view>& technique) { return test_name(technique.param); });
 
 /// Eye rays of a picture, by squares of 8 x 8 pixels, all into one octant.
 RayBatch coherent_batch() {

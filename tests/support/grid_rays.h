@@ -1,11 +1,14 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 #include "accel/registry.h"
@@ -61,15 +64,21 @@ inline RayBatch random_rays(int count, double scale = 1, const glm::dvec3& offse
   return rays;
 }
 
-/// Rays whose origins and directions fall on planes, edges and corners of a grid over [0, n]^3 with unit cells, or just beside them.
-inline RayBatch lattice_rays(int count, int n) {
+/// Where planes are on each axis.
+using Planes = std::array<std::vector<float>, 3>;
+
+/// Rays, no two the same, from planes, edges and corners, or just beside them, along and across them, with zero, denormal and huge directions; some also go
+/// backwards, some come from far away.
+inline RayBatch plane_rays(int count, const Planes& planes) {
   std::mt19937 random(3);
   const std::vector<float> speeds{0, -0.0f, 1, -1, 0.5f, -2, 1 + 0x1p-23f, kDenormal, -kDenormal, 0x1p-127f, -0x1p-126f, 1e-20f, 1e20f, 0x1p127f};
+  std::unordered_set<std::uint64_t> seen;
+  seen.reserve(static_cast<std::size_t>(count));
   RayBatch rays;
   while (static_cast<int>(rays.size()) < count) {
     Ray r{{0, 0, 0}, 0, {0, 0, 0}, kInf};
     for (std::size_t a = 0; a < 3; ++a) {
-      r.org[a] = static_cast<float>(static_cast<int>(random() % static_cast<unsigned>(2 * n + 9)) - 4) / 2;
+      r.org[a] = pick(random, planes[a]);
       switch (random() % 8) {
         case 0: r.org[a] = std::nextafter(r.org[a], kInf); break;
         case 1: r.org[a] = std::nextafter(r.org[a], -kInf); break;
@@ -80,9 +89,23 @@ inline RayBatch lattice_rays(int count, int n) {
     }
     if (random() % 32 == 0) r.t_min = -kInf;
     if (random() % 32 == 0) r.org[random() % 3] = 1e30f;
-    rays.push_back(r);
+    std::uint64_t key = 0;
+    for (const float x : {r.org[0], r.org[1], r.org[2], r.t_min, r.dir[0], r.dir[1], r.dir[2]}) {
+      key = (key ^ std::bit_cast<std::uint32_t>(x)) * 0x9E3779B97F4A7C15u;
+      key ^= key >> 32;
+    }
+    if (seen.insert(key).second) rays.push_back(r);
   }
   return rays;
+}
+
+/// Such rays about a grid over [0, n]^3 with unit cells, and the middles of its cells.
+inline RayBatch lattice_rays(int count, int n) {
+  Planes planes;
+  for (auto& on_axis : planes) {
+    for (int i = -4; i < 2 * n + 5; ++i) on_axis.push_back(static_cast<float>(i) / 2);
+  }
+  return plane_rays(count, planes);
 }
 
 }  // namespace raymeter::test
