@@ -5,8 +5,10 @@
 #include "accel/bvh/bvh_structure.h"
 #include "accel/volumes.h"
 #include "core/trace/trace.h"
+#include "tests/support/adversarial.h"
 #include "tests/support/answer.h"
 #include "tests/support/grid_rays.h"
+#include "tests/support/traces.h"
 
 namespace raymeter {
 namespace {
@@ -80,6 +82,27 @@ TEST(BvhTraversals, GoDownATreeAsDeepAsItHasPrimitives) {
   const Scene scene = test::mixed_scene(1500, 0.1);
   expect_equal_to_list(scene, chain(scene), test::random_rays(130));
 }
+
+class BvhSteps : public testing::TestWithParam<const char*> {};
+
+TEST_P(BvhSteps, AMillionAdversarialRaysVisitNoMoreNodesThanThereAreAndAgreeWithTheList) {
+  const Scene scene = test::lattice_scene(8, 48);
+  RayBatch rays = test::lattice_rays(test::kAdversarialRays / 2, 8);
+  rays.append(test::box_rays(test::kAdversarialRays / 2, scene));
+  for (const Isa isa : {Isa::scalar, best_isa()}) {
+    const HitBatch list = test::answer(scene, rays, "list", isa, 64).hits;
+    const test::Steps steps = test::expect_to_end_as_list(scene, rays, GetParam(), isa, list);
+    EXPECT_LE(steps.nodes, static_cast<std::uint64_t>(steps.stats.interior_nodes)) << name(isa);
+    EXPECT_LE(steps.leaves, static_cast<std::uint64_t>(steps.stats.leaves)) << name(isa);
+    EXPECT_GT(steps.nodes, 1u) << name(isa);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Traversals, BvhSteps,
+                         testing::Values("bvh", "bvh:traversal=packet", "bvh:traversal=heap", "bvh:traversal=beam", "bvh:traversal=stream",
+                                         "bvh:traversal=single", "bvh:traversal=stream,plane_bits=8", "bvh:traversal=single,plane_bits=5",
+                                         "bvh:builder=sbvh,split_overlap=0", "bvh:traversal=packet,volume=sphere", "bvh:traversal=packet,volume=kdop"),
+                         [](const testing::TestParamInfo<const char*>& technique) { return test::test_name(technique.param); });
 
 TEST(BvhTraversals, NearestFirstOpensTheFewestNodes) {
   const Scene scene = test::mixed_scene(2000, 0.1);
