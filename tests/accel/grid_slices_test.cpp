@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "experiments/scenes/scene_source.h"
+#include "tests/support/adversarial.h"
 #include "tests/support/answer.h"
 #include "tests/support/grid_rays.h"
 #include "tests/support/traces.h"
@@ -111,10 +112,8 @@ TEST(GridSlices, TestATriangleOnceForARay) {
   EXPECT_GT(off.live(Event::prim_test), 2 * on.live(Event::prim_test));
 }
 
-/// A million rays on and beside planes, edges and corners, with zero, denormal and huge directions: each four times, nearly the same, so that packets of four
-/// stay together.
-RayBatch adversarial_rays() {
-  const RayBatch alone = lattice_rays(250000, 8);
+/// Each ray and three more that are nearly the same, so that packets of four stay together.
+RayBatch in_bundles_of_four(const RayBatch& alone) {
   RayBatch rays;
   for (std::size_t i = 0; i < alone.size(); ++i) {
     Ray r = alone[i];
@@ -126,19 +125,53 @@ RayBatch adversarial_rays() {
   return rays;
 }
 
-TEST(GridSlices, EndForAMillionAdversarialRaysAndAnswerAsTheList) {
-  const RayBatch rays = adversarial_rays();
+Scene three_in_eight_cells() {
   Scene scene;
   scene.add_triangle({0, 0, 4}, {8, 0, 4}, {0, 8, 4});
   scene.add_triangle({8, 8, 8}, {8, 8, 0}, {0, 8, 0});
   scene.add_sphere({2, 2, 2}, 2);
   scene.finish();
+  return scene;
+}
+
+/// The most cells that four rays visit that are traced in one packet by a call of their own.
+std::uint64_t most_cells_of_four(const Scene& scene, const RayBatch& rays, const std::string& technique, Isa isa) {
+  const TechniqueSpec spec = parse_technique(technique);
+  const auto structure = spec.structure->build(scene, spec.params, 1);
+  const auto tracer = structure->intersector({isa, 4, spec.params});
+  Column<std::byte> scratch(std::max<std::size_t>(64, tracer->scratch_bytes()));
+  HitBatch hits;
+  hits.resize(4);
+  std::uint64_t most = 0;
+  for (std::size_t i = 0; i < rays.size(); i += 4) {
+    Counters counters;
+    tracer->closest_hit(rays.view(i, 4), hits.view(), &counters, scratch.data());
+    most = std::max(most, counters.live(Event::node_visit));
+  }
+  return most;
+}
+
+TEST(GridSlices, EndForAMillionAdversarialRaysAndAnswerAsTheList) {
+  const Scene scene = three_in_eight_cells();
+  const RayBatch rays = lattice_rays(kAdversarialRays, 8);
   for (const Isa isa : {Isa::scalar, best_isa()}) {
+    const HitBatch list = answer(scene, rays, "list", isa, 64).hits;
     for (const char* technique : {"grid:resolution=8x8x8", "grid:resolution=8x8x8,traversal=slices"}) {
-      expect_same(scene, rays, technique, isa, 4);
-      const Counters counters = answer(scene, rays, technique, isa, 4).closest;
-      EXPECT_LE(counters.live(Event::node_visit), 8u * 8u * 8u * rays.size()) << technique;
+      const Steps steps = expect_to_end_as_list(scene, rays, technique, isa, list);
+      EXPECT_EQ(steps.nodes, 8u + 8u + 8u - 2u) << technique;  // a ray alone goes from cell to cell
     }
+  }
+}
+
+TEST(GridSlices, EndForAMillionAdversarialRaysThatStayTogether) {
+  const Scene scene = three_in_eight_cells();
+  const RayBatch rays = in_bundles_of_four(lattice_rays(kAdversarialRays / 4, 8));
+  const std::string cells = "grid:resolution=8x8x8", slices = cells + ",traversal=slices";
+  for (const Isa isa : {Isa::scalar, best_isa()}) {
+    for (const std::string& technique : {cells, slices}) expect_same(scene, rays, technique, isa, 4);
+    EXPECT_LE(most_cells_of_four(scene, rays, cells, isa), 4u * (8u + 8u + 8u - 2u)) << name(isa);
+    // Slices are met once each, and in each the beam's rectangle of cells.
+    EXPECT_LE(most_cells_of_four(scene, rays, slices, isa), 4u * 8u * 8u * 8u) << name(isa);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "accel/grid/grid_build.h"
 #include "core/geometry/error_bounds.h"
+#include "tests/support/adversarial.h"
 #include "tests/support/answer.h"
 #include "tests/support/grid_rays.h"
 
@@ -126,8 +127,8 @@ TEST(GridTraversal, VisitsTheCellsOfPositiveChordAndNoOthers) {
 }
 
 TEST(GridTraversal, EndsWithinTheSumOfTheResolution) {
-  // A million rays on and beside planes, edges and corners, with zero, denormal and huge directions.
-  const RayBatch rays = lattice_rays(500000, 8);
+  // Rays on and beside planes, edges and corners, with zero, denormal and huge directions, no two the same.
+  const RayBatch rays = lattice_rays(kAdversarialRays, 8);
   for (const Isa isa : {Isa::scalar, best_isa()}) {
     CellCounter counter(hollow_scene(glm::dvec3(8)), "grid:resolution=8x8x8", isa);
     std::uint64_t longest = 0;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "experiments/scenes/scene_source.h"
+#include "tests/support/adversarial.h"
 #include "tests/support/answer.h"
 #include "tests/support/grid_rays.h"
 #include "tests/support/traces.h"
@@ -71,24 +72,8 @@ TEST(RecursiveGrid, EndsForAMillionAdversarialRaysAndAnswersAsTheList) {
     scene.add_sphere({2 * at + 0.5, 2 * at + 0.5, 0.5}, 0.5);
   }
   scene.finish();
-  const RayBatch rays = lattice_rays(1000000, 8);
-  const std::string technique = "recursive_grid:top_density=8,density=8,max_leaf_size=1,levels=4";
-  const Answer list = answer(scene, rays, "list", best_isa(), 16), grid = answer(scene, rays, technique, best_isa(), 1);
-  expect_same_hits(grid.hits, list.hits, rays);
-  EXPECT_GT(stats_of(scene, technique).max_depth, 1);
-  // Every ray at most nx + ny + nz - 2 cells on each level; alone for the longest.
-  const TechniqueSpec spec = parse_technique(technique);
-  const auto structure = spec.structure->build(scene, spec.params, 1);
-  const auto tracer = structure->intersector({Isa::scalar, 1, spec.params});
-  HitBatch hits;
-  hits.resize(1);
-  Column<std::byte> scratch(tracer->scratch_bytes());
-  std::uint64_t longest = 0;
-  for (std::size_t i = 0; i < rays.size(); i += 16) {
-    Counters counters;
-    tracer->closest_hit(rays.view(i, 1), hits.view(), &counters, scratch.data());
-    longest = std::max(longest, counters.live(Event::leaf_visit));
-  }
+  const RayBatch rays = lattice_rays(kAdversarialRays, 8);
+  // Every ray at most nx + ny + nz - 2 cells on each level.
   RecursiveGridParams params;
   params.top_density = params.density = 8;
   params.max_leaf_size = 1;
@@ -99,8 +84,13 @@ TEST(RecursiveGrid, EndsForAMillionAdversarialRaysAndAnswersAsTheList) {
   for (std::size_t g = 1; g < grids.grids.size(); ++g) inner = std::max(inner, cells_on_a_way(grids.grids[g]));
   std::uint64_t bound = static_cast<std::uint64_t>(cells_on_a_way(grids.grids[0]));
   for (int level = 0; level < grids.depth; ++level) bound *= static_cast<std::uint64_t>(inner);
-  EXPECT_LE(longest, bound);
-  EXPECT_GT(longest, static_cast<std::uint64_t>(cells_on_a_way(grids.grids[0]))) << "no ray went down";
+  for (const Isa isa : {Isa::scalar, best_isa()}) {
+    const HitBatch list = answer(scene, rays, "list", isa, 64).hits;
+    const Steps steps = expect_to_end_as_list(scene, rays, "recursive_grid:top_density=8,density=8,max_leaf_size=1,levels=4", isa, list);
+    EXPECT_GT(steps.stats.max_depth, 1);
+    EXPECT_LE(steps.leaves, bound) << name(isa);
+    EXPECT_GT(steps.leaves, static_cast<std::uint64_t>(cells_on_a_way(grids.grids[0]))) << "no ray went down";
+  }
 }
 
 TEST(RecursiveGrid, OfOneLevelVisitsTheCellsOfTheUniformGrid) {
