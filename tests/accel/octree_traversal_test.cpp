@@ -9,6 +9,7 @@
 #include "accel/octree/octree_tree.h"
 #include "accel/octree/octree_walk_kernel.h"
 #include "core/geometry/error_bounds.h"
+#include "tests/support/adversarial.h"
 #include "tests/support/answer.h"
 #include "tests/support/grid_rays.h"
 #include "tests/support/test_rays.h"
@@ -20,6 +21,10 @@ using namespace test;
 
 enum class Tracking { parametric, point_location, neighbour };
 constexpr Tracking kTrackings[] = {Tracking::parametric, Tracking::point_location, Tracking::neighbour};
+
+const char* name_of(Tracking tracking) {
+  return tracking == Tracking::parametric ? "parametric" : tracking == Tracking::point_location ? "point_location" : "neighbour";
+}
 
 /// A tree without lists, so that rays cross all of it, and its kernels.
 class BareTree {
@@ -178,31 +183,46 @@ Octree full_tree() {
   return build_octree_tree(scene, params, 1);
 }
 
-TEST(OctreeTraversal, EndsWithinTheBoundOfItsSteps) {
+class OctreeSteps : public testing::TestWithParam<Tracking> {};
+
+TEST_P(OctreeSteps, EndWithinTheirBoundForAMillionAdversarialRays) {
   const Octree tree = full_tree();
   ASSERT_EQ(tree.stats.leaves, 512);
   BareTree bare(tree);
   constexpr std::uint64_t kLeaves = 3 * (8 - 1) + 1, kDepth = 3;
-  // A million rays on and beside planes, edges and corners, with zero, denormal and huge directions, two instruction sets together.
-  const RayBatch rays = lattice_rays(500000, 8);
+  // Rays on and beside planes, edges and corners, with zero, denormal and huge directions, no two the same.
+  const RayBatch rays = lattice_rays(kAdversarialRays, 8);
   for (const Isa isa : {Isa::scalar, best_isa()}) {
-    for (const Tracking tracking : kTrackings) {
-      std::uint64_t longest = 0;
-      for (std::size_t i = 0; i < rays.size(); ++i) {
-        const Counters counters = bare.trace(rays, i, tracking, isa);
-        const std::uint64_t leaves = counters.live(Event::leaf_visit);
-        ASSERT_LE(counters.live(Event::node_visit), leaves * (2 * kDepth + 1));
-        // The padding of the parametric tracking, which also serves rays that the other two do not, grows with the distance: from very far no cell can be told
-        // from its neighbours. From near, a ray along an edge is in four cells at once.
-        const Ray r = rays[i];
-        const bool is_near = std::max({std::abs(r.org[0]), std::abs(r.org[1]), std::abs(r.org[2])}) < 100 && r.t_min == 0;
-        ASSERT_LE(leaves, is_near ? 4 * kLeaves : bare.leaf_count()) << "ray " << i;
-        longest = std::max(longest, leaves);
-      }
-      EXPECT_GE(longest, kLeaves) << name(isa);
+    std::uint64_t longest = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const Counters counters = bare.trace(rays, i, GetParam(), isa);
+      const std::uint64_t leaves = counters.live(Event::leaf_visit);
+      ASSERT_LE(counters.live(Event::node_visit), leaves * (2 * kDepth + 1));
+      // The padding of the parametric tracking, which also serves rays that the other two do not, grows with the distance: from very far no cell can be told
+      // from its neighbours. From near, a ray along an edge is in four cells at once.
+      const Ray r = rays[i];
+      const bool is_near = std::max({std::abs(r.org[0]), std::abs(r.org[1]), std::abs(r.org[2])}) < 100 && r.t_min == 0;
+      ASSERT_LE(leaves, is_near ? 4 * kLeaves : bare.leaf_count()) << "ray " << i;
+      longest = std::max(longest, leaves);
     }
+    EXPECT_GE(longest, kLeaves) << name(isa);
   }
 }
+
+TEST_P(OctreeSteps, AMillionAdversarialRaysAgreeWithTheListAloneAndInPackets) {
+  const Scene scene = lattice_scene(8, 48);
+  const RayBatch rays = lattice_rays(kAdversarialRays, 8);
+  const std::string technique = "octree:leaf_size=1,tracking=" + std::string(name_of(GetParam()));
+  const HitBatch list = answer(scene, rays, "list", best_isa(), 64).hits;
+  const Steps steps = expect_to_end_as_list(scene, rays, technique, best_isa(), list);
+  const auto leaves = static_cast<std::uint64_t>(steps.stats.leaves);
+  EXPECT_LE(steps.leaves, leaves);
+  EXPECT_LE(steps.nodes, leaves * (2 * static_cast<std::uint64_t>(*steps.stats.max_depth) + 1));
+  EXPECT_GT(steps.leaves, 8u) << "no ray crosses the scene";
+}
+
+INSTANTIATE_TEST_SUITE_P(Trackings, OctreeSteps, testing::ValuesIn(kTrackings),
+                         [](const testing::TestParamInfo<Tracking>& tracking) { return name_of(tracking.param); });
 
 TEST(OctreeTraversal, WalksCrossEachPlaneOnce) {
   const Octree tree = full_tree();
