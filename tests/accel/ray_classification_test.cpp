@@ -13,20 +13,13 @@
 #include "accel/weak_settings.h"
 #include "core/trace/on_demand.h"
 #include "experiments/scenes/scene_source.h"
+#include "tests/support/adversarial.h"
 #include "tests/support/random.h"
 #include "tests/support/test_rays.h"
 #include "tests/support/traces.h"
 
 namespace raymeter {
 namespace {
-
-Isa best_isa() {
-  Isa best = Isa::scalar;
-  for (const Isa isa : kIsas) {
-    if (available(isa)) best = isa;
-  }
-  return best;
-}
 
 Aabb box_of(const Scene& scene) {
   Aabb box;
@@ -91,23 +84,14 @@ TEST(RayClassification, AMillionAdversarialRaysHitWhatTheListHits) {
   for (const char* name : {"mixed", "flat", "huge among tiny", "cones"}) {
     const Scene& scene = test::scene_named(name);
     SCOPED_TRACE(name);
-    const RayBatch rays = adversarial_rays(scene, 250'000, 11);
-    const Isa isa = best_isa();
-    const StructureEntry& list = structure_entry("list");
-    HitBatch expected, hits;
-    const auto list_structure = list.build(scene, list.resolve({}), 1);
-    trace_closest(*list_structure->intersector({isa, 64, list.resolve({})}), rays, expected, 1);
+    const RayBatch rays = adversarial_rays(scene, test::kAdversarialRays / 4, 11);
+    const HitBatch list = test::answer(scene, rays, "list", best_isa(), 64).hits;
     // Small cells; and cells with long lists, which the beams of packets cull.
-    for (const auto& [technique, packet] : {std::pair{"ray_classification:min_rays=4", 16}, std::pair{"ray_classification:min_rays=2000,beams=true", 64}}) {
-      const TechniqueSpec spec = parse_technique(technique);
-      const auto structure = spec.structure->build(scene, spec.params, 1);
-      const auto tracer = structure->intersector({isa, packet, spec.params});
-      tracer->prepare(rays.view(), Query::closest, 2);
-      Counters counters;
-      trace_closest(*tracer, rays, hits, 2, &counters);
-      test::expect_same_hits(hits, expected, rays);
-      EXPECT_LE(counters.live(Event::leaf_visit), rays.size()) << "a ray is in one cell";
-      EXPECT_LE(counters.live(Event::prim_test), rays.size() * static_cast<std::size_t>(scene.prim_count())) << "and tests no primitive twice";
+    for (const char* technique : {"ray_classification:min_rays=4", "ray_classification:min_rays=2000,beams=true"}) {
+      const test::Steps steps = test::expect_to_end_as_list(scene, rays, technique, best_isa(), list);
+      EXPECT_EQ(steps.nodes, 0u);
+      EXPECT_EQ(steps.leaves, 1u) << "a ray is in one cell";
+      EXPECT_LE(steps.prim_tests, static_cast<std::uint64_t>(scene.prim_count())) << "and tests no primitive twice";
     }
   }
 }
