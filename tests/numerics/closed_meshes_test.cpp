@@ -25,18 +25,24 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 struct Case {
   std::string technique;
   Isa isa;
+  std::vector<int> packets;  ///< sizes that meshes are traced with
 
   [[nodiscard]] bool is(std::string_view structure) const { return technique == structure; }
 };
 
-/// Every structure with default parameters, and the traversals of `bvh` that have triangle tests of their own.
+/// Every structure with default parameters, and the traversals of each that are not the default.
 std::vector<Case> all_cases() {
-  std::vector<std::string> techniques{"bvh:traversal=beam", "bvh:traversal=stream"};
-  for (const StructureEntry& entry : structures()) techniques.emplace_back(entry.name);
+  const std::vector<int> all_packets{1, 3, 16, 64}, one{16};
   std::vector<Case> cases;
-  for (const std::string& technique : techniques) {
-    for (const Isa isa : kIsas) cases.push_back({technique, isa});
+  const auto add = [&](std::string_view technique, const std::vector<int>& packets) {
+    for (const Isa isa : kIsas) cases.push_back({std::string(technique), isa, packets});
+  };
+  for (const char* of_own_tests : {"bvh:traversal=beam", "bvh:traversal=stream"}) add(of_own_tests, all_packets);  // of triangles
+  for (const char* other : {"bvh:traversal=packet", "bvh:traversal=single", "grid:traversal=slices", "kdtree:traversal=packet", "bsp:traversal=packet",
+                            "octree:tracking=neighbour", "octree:tracking=point_location"}) {
+    add(other, one);
   }
+  for (const StructureEntry& entry : structures()) add(entry.name, all_packets);
   return cases;
 }
 
@@ -82,7 +88,7 @@ protected:
     const TechniqueSpec spec = parse_technique(GetParam().technique);
     const auto structure = spec.structure->build(mesh.scene, spec.params, 1);
     std::ptrdiff_t lost = 0;
-    for (const int packet : {1, 3, 16, 64}) {
+    for (const int packet : GetParam().packets) {
       const auto rays_for = [&](Query query) -> const RayBatch& { return affordable(mesh.scene, query, packet) ? mesh.rays : mesh.some_rays; };
       const RayBatch &closest = rays_for(Query::closest), &any = rays_for(Query::any);
       const auto intersector = structure->intersector({GetParam().isa, packet, spec.params});
@@ -152,8 +158,6 @@ TEST_P(ClosedMeshes, VerticalRaysMeetAnIntegerHeightFieldExactly) {
   static const HeightField field;
   const TechniqueSpec spec = parse_technique(GetParam().technique);
   const auto structure = spec.structure->build(field.scene, spec.params, 1);
-  const auto intersector = structure->intersector({GetParam().isa, 16, spec.params});
-  HitBatch hits;
   const bool all = !GetParam().is("list");
   RayBatch rays;
   std::vector<float> expected;
@@ -161,9 +165,19 @@ TEST_P(ClosedMeshes, VerticalRaysMeetAnIntegerHeightFieldExactly) {
     rays.push_back(field.rays[i]);
     expected.push_back(field.t[i]);
   }
-  intersector->prepare(rays.view(), Query::closest, 1);
-  trace_closest(*intersector, rays, hits, 1);
-  for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits.t[i], expected[i]) << rays.org[0][i] << ' ' << rays.org[1][i];
+  for (const int packet : {1, 16, 64}) {
+    const auto intersector = structure->intersector({GetParam().isa, packet, spec.params});
+    HitBatch hits;
+    test::Blockers blockers;
+    intersector->prepare(rays.view(), Query::closest, 1);
+    trace_closest(*intersector, rays, hits, 1);
+    intersector->prepare(rays.view(), Query::any, 1);
+    trace_any(*intersector, rays, blockers, 1);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_EQ(hits.t[i], expected[i]) << rays.org[0][i] << ' ' << rays.org[1][i] << ", packets of " << packet;
+      ASSERT_GE(blockers[i], 0) << rays.org[0][i] << ' ' << rays.org[1][i] << ", packets of " << packet;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Structures, ClosedMeshes, testing::ValuesIn(all_cases()), testing::PrintToStringParamName());
