@@ -27,13 +27,14 @@ struct Coordinates {
   alignas(64) std::int32_t number[kRayAxes][L::kWidth];
   alignas(64) std::int32_t ray_class[L::kWidth];
 
-  Coordinates(const RayClassFrame& frame, const RayPacket<L>& ray, const HitPacket<L>& hit) noexcept {
+  /// `more_slack`: what rays from beyond the frame's reach need besides.
+  Coordinates(const RayClassFrame& frame, const RayPacket<L>& ray, const HitPacket<L>& hit, typename L::Float more_slack) noexcept {
     using Float = typename L::Float;
     using Int = typename L::Int;
     const Float zero(0.0f);
     const SlabInterval<L> inside = intersect_box(ray, hit.t, BoxPlanes<L, false>(frame.box, 0));
     typename L::Mask serves = inside.t_near <= inside.t_far;
-    const typename L::Mask meets = serves;
+    const typename L::Mask meets = inside.t_near - more_slack <= inside.t_far + more_slack;
     Int on_axis[3];
     for (int a = 0; a < 3; ++a) {
       serves = serves & (L::abs(ray.org[a] - Float(frame.center[a])) <= Float(frame.reach[a]));
@@ -78,8 +79,9 @@ void ClassifyKernel<I>::keys(const RayClassFrame& frame, const RayView& rays, st
     RayPacket<L> ray;
     HitPacket<L> hit;
     load_group<L>(rays, first + done, group, ray, hit);
-    ray.slab_slack = L::min(ray.slab_slack, typename L::Float(frame.most_slack));
-    const Coordinates<L> at(frame, ray, hit);
+    const typename L::Float slack = ray.slab_slack;
+    ray.slab_slack = L::min(slack, typename L::Float(frame.most_slack));
+    const Coordinates<L> at(frame, ray, hit, slack - ray.slab_slack);
     for (std::int32_t lane = 0; lane < group; ++lane) {
       const std::int32_t number[kRayAxes] = {at.number[0][lane], at.number[1][lane], at.number[2][lane], at.number[3][lane], at.number[4][lane]};
       keys[first + done + lane] = key_of(frame, at.ray_class[lane], number);

@@ -32,7 +32,7 @@ struct VolumeRays<KdopLayout, L> {
     const Float org[3] = {ray.org[0] - Float(slabs.origin[0]), ray.org[1] - Float(slabs.origin[1]), ray.org[2] - Float(slabs.origin[2])};
     const Float org1 = L::abs(org[0]) + L::abs(org[1]) + L::abs(org[2]);
     const Float tilt = Float(48 * kUnitRoundoff) * (L::abs(ray.dir[0]) + L::abs(ray.dir[1]) + L::abs(ray.dir[2]));
-    const Float behind = L::min(L::max(-ray.t_min, zero), Float(0x1p100f));
+    const Float behind = L::max(-ray.t_min, zero);
     const Float radius(slabs.radius);
     const Float room = L::mul_add(Float(9 * kUnitRoundoff), org1, L::mul_add(Float(2 * kUnitRoundoff), radius, Float(3.0f) * tilt * behind));
     const Float room_parallel = Float(400 * kUnitRoundoff) * (org1 + radius);

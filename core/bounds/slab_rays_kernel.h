@@ -8,14 +8,14 @@
 // once: T (1 - kSlabPadding) (1 + 3 u), which is before any hit that the contract allows (error_bounds.h); where t_min < 0, slab_slack is in at_zero as well.
 // Without a fused operation the product is rounded too, by u T and u org / dir; at_zero is lower by that. In space, boxes grow by 1 to 6 u |org|: false boxes,
 // and few of them unless boxes are not much larger than the last place of the origin's coordinates. Directions below kLeastSlope of the largest are taken for
-// it, so that nothing is infinite or NaN. No hit is at a t beyond `reach` + the largest |org|: that much times kLeastSlope the ray is off at most, which moves
-// t by twice as much as t itself. An origin beyond 2^60 says nothing on its axis.
+// it, so that nothing is infinite or NaN. No hit is at a t beyond `reach` + the largest |org| over dir_unit: that much times kLeastSlope times dir_unit the ray
+// is off at most, which moves t by twice as much as t itself. An origin beyond 2^60 says nothing on its axis.
 
 #include "core/bounds/slab_kernel.h"
 
 namespace raymeter {
 
-/// The least |dir| that planes are met at, RayPacket::dir being 1 to 2 along the axis of the largest.
+/// The least |dir| that planes are met at, in units of dir_unit.
 inline constexpr float kLeastSlope = 0x1p-40f;
 
 /// What a register of rays brings to the boxes: t_near is the greatest of plane * near_scale + near_at_zero, t_far the least of the others.
@@ -28,13 +28,16 @@ struct SlabRays {
   /// `reach`: the largest |coordinate| of any box.
   void prepare(const RayPacket<L>& ray, float reach) noexcept {
     const Float farthest = L::max(L::max(L::abs(ray.org[0]), L::abs(ray.org[1])), L::abs(ray.org[2])) + Float(reach);
+    const Float unit = dir_unit(ray), per_unit = Float(1.0f) / unit;
+    const Float least = unit * Float(kLeastSlope), most = per_unit * Float(1 / kLeastSlope);
+    const Float longest = farthest * per_unit;
     const Float rounding = ray.slab_slack + Float(0x1p-140f);  // of results that are denormal, too
     for (int a = 0; a < 3; ++a) {
-      const auto flat = L::abs(ray.dir[a]) < Float(kLeastSlope);
+      const auto flat = L::abs(ray.dir[a]) < least;
       const auto beyond = ~(L::abs(ray.org[a]) < Float(0x1p60f));
-      const Float slope = L::select(flat, L::select(ray.negative[a], Float(-1 / kLeastSlope), Float(1 / kLeastSlope)), ray.inv_dir[a]);
+      const Float slope = L::select(flat, L::select(ray.negative[a], -most, most), ray.inv_dir[a]);
       const Float inverse = L::select(beyond, L::select(ray.negative[a], Float(-0x1p-60f), Float(0x1p-60f)), slope);
-      const Float more = L::select(flat, L::mul_add(farthest, Float(2 + 0x1p-15f), rounding), rounding);
+      const Float more = L::select(flat, L::mul_add(longest, Float(2 + 0x1p-15f), rounding), rounding);
       const Float growth = L::select(beyond, Float(kLargest), more);
       near_scale[a] = inverse * Float(1.0f - kSlabPadding);
       far_scale[a] = inverse * Float(1.0f + kSlabPadding);

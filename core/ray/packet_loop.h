@@ -75,11 +75,12 @@ inline void load_group(const RayView& rays, std::int32_t first, std::int32_t cou
     ray.inv_dir[a] = one / ray.dir[a];
     ray.negative[a] = L::negative(ray.dir[a]);
   }
-  // Where the scaled ends underflow they are rounded inwards, so that no t outside the ray's own interval passes.
+  // Where the scaled ends underflow they are rounded inwards, so that no t outside the ray's own interval passes. A t beyond the largest float, on either side,
+  // is no hit: an unbounded ray ends there, so that an overflow to infinity is not taken for one.
   const Float least(0x1p-149f);
-  const Float begin = t_min * scale;
+  const Float begin = L::max(L::max(t_min, Float(-kLargest)) * scale, Float(-kLargest));
   ray.t_min = L::select(valid, L::select(begin * ray.t_unit < t_min, begin + least, begin), zero);
-  ray.slab_slack = L::min(L::max(-ray.t_min, zero), Float(0x1p100f)) * Float(2 * kSlabPadding);
+  ray.slab_slack = L::max(-ray.t_min, zero) * Float(2 * kSlabPadding);
   ray.inv_length2 = one / L::mul_add(ray.dir[2], ray.dir[2], L::mul_add(ray.dir[1], ray.dir[1], ray.dir[0] * ray.dir[0]));
 
   const Float size[3] = {L::abs(ray.dir[0]), L::abs(ray.dir[1]), L::abs(ray.dir[2])};
@@ -109,7 +110,6 @@ inline void load_group(const RayView& rays, std::int32_t first, std::int32_t cou
       ray.octant |= 1 << a;
   }
 
-  // A t beyond the largest float is no hit: an unbounded ray ends there, so that an overflow to infinity is not taken for one.
   const Float end = L::min(L::min(t_max, Float(kLargest)) * scale, Float(kLargest));
   hit.t = L::select(valid, L::select(end * ray.t_unit > t_max, end - least, end), Float(-kInfinity));
   hit.prim = Int(kNoPrim);

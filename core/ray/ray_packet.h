@@ -21,7 +21,7 @@ struct RayPacket {
   using Mask = typename L::Mask;
 
   Float org[3];
-  Float dir[3];      ///< scaled by a power of two so that the largest component is in [1, 2): no square or product of it leaves the range
+  Float dir[3];      ///< scaled by a power of two so that the largest component is in [1, 2): no square or product of it leaves the range; see dir_unit
   Float t_unit;      ///< that power of two: the ray's own t is t_unit times the packet's, exactly
   Float inv_dir[3];  ///< 1 / dir; infinite where dir is 0, with its sign
   Mask negative[3];  ///< sign bit of dir
@@ -35,6 +35,12 @@ struct RayPacket {
   std::int32_t axis;    ///< k[2] where it is the same in all lanes, else -1
   std::int32_t octant;  ///< sign bits of dir where they are the same in all lanes, else -1
 };
+
+/// The power of two in the largest component of RayPacket::dir: 1, but down to 2^-23 of directions that are denormal, since a larger t_unit has no float.
+template <class L>
+inline typename L::Float dir_unit(const RayPacket<L>& ray) noexcept {
+  return L::power_of_two(L::max(L::max(L::abs(ray.dir[0]), L::abs(ray.dir[1])), L::abs(ray.dir[2])));
+}
 
 /// The nearest hit so far, in the packet's t. It holds the end of the ray's interval until something is met; a dead lane has t = -inf, which no test can get
 /// below.

@@ -193,6 +193,44 @@ Problem occluder(int count, std::uint64_t seed) {
   return finished(std::move(problem));
 }
 
+Problem far_behind(int, std::uint64_t) {
+  Problem problem = unit_box();
+  for_each_axis_ray([&](glm::length_t axis, bool down, unsigned signs) {
+    for (const int exponent : {10, 20, 40, 59, 60, 61, 80, 100, 101, 110, 120}) {
+      for (const float speed : {1.0f, 0x1p-5f, 0x1p-149f}) {
+        const auto a = static_cast<std::size_t>(axis);
+        Ray r = along_axis(axis, down, 0.25f, 0.5f, signs);
+        r.org[a] = std::ldexp(down ? -1.5f : 1.5f, exponent);
+        r.dir[a] *= speed;
+        r.t_min = -kInf;
+        add(problem, r, kUnknown);
+      }
+    }
+  });
+  return solved(std::move(problem));
+}
+
+Problem denormal_directions(int count, std::uint64_t seed) {
+  constexpr double kUnit = 0x1p-25;  // so that a t is a float
+  Problem problem;
+  Random random(13);
+  for (int k = 0; k < 20; ++k) {
+    const glm::dvec3 low = kUnit * glm::dvec3(glm::ivec3(random.in_cube(8)));
+    add_box(problem.scene, low, low + kUnit * (1.0 + static_cast<double>(random.below(3))));
+  }
+  Random aims(seed);
+  for (int k = 0; k < count; ++k) {
+    Ray r{{}, k % 4 == 0 ? -kInf : 0, {}, kInf};
+    for (std::size_t a = 0; a < 3; ++a) {
+      r.org[a] = static_cast<float>(kUnit / 2 * static_cast<double>(static_cast<int>(aims.below(41)) - 20));
+      r.dir[a] = std::ldexp(aims.below(2) == 0 ? -1.0f : 1.0f, -149 + static_cast<int>(aims.below(23)));
+      if (aims.below(3) == 0) r.dir[a] = std::copysign(0.0f, r.dir[a]);
+    }
+    add(problem, r, kUnknown);
+  }
+  return solved(std::move(problem));
+}
+
 Problem invalid_rays(int count, std::uint64_t seed) {
   Problem problem = unit_box();
   Random random(seed);

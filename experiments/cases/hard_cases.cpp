@@ -28,6 +28,8 @@ constexpr std::array kCases{
     HardCase{"start_on_surface", "origins on faces, edges and corners of a box, in all 26 directions", start_on_surface},
     HardCase{"lattice", "squares and triangles that touch planes of cells; rays along the planes, edges and diagonals of cells", lattice},
     HardCase{"occluder", "one triangle in all cells, small ones before and behind it", occluder},
+    HardCase{"far_behind", "a unit box behind origins 2^10 to 2^120 away: t_min = -infinity, and no t that is no float", far_behind, 1},
+    HardCase{"denormal_directions", "boxes of 2^-25, directions below 2^-126 along all axes", denormal_directions},
     HardCase{"invalid_rays", "rays with NaN, infinity, no direction or an empty interval between valid ones", invalid_rays},
     HardCase{"box_edges", "boxes, rays aimed at their edges", box_edges<0>},
     HardCase{"box_edges_far", "the same 100,000 away from the origin", box_edges<100000>},

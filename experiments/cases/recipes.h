@@ -22,6 +22,8 @@ namespace raymeter::cases {
 [[nodiscard]] Problem start_on_surface(int count, std::uint64_t seed);
 [[nodiscard]] Problem lattice(int count, std::uint64_t seed);
 [[nodiscard]] Problem occluder(int count, std::uint64_t seed);
+[[nodiscard]] Problem far_behind(int count, std::uint64_t seed);
+[[nodiscard]] Problem denormal_directions(int count, std::uint64_t seed);
 [[nodiscard]] Problem invalid_rays(int count, std::uint64_t seed);
 template <int kOffset>
 [[nodiscard]] Problem box_edges(int count, std::uint64_t seed);

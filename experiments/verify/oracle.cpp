@@ -29,6 +29,7 @@ bool valid(const Ray& ray) noexcept {
 /// A t that is no float is no hit.
 Ray bounded(Ray ray) noexcept {
   constexpr float kLargest = std::numeric_limits<float>::max();
+  ray.t_min = std::isnan(ray.t_min) ? ray.t_min : std::max(ray.t_min, -kLargest);
   ray.t_max = std::isnan(ray.t_max) ? ray.t_max : std::min(ray.t_max, kLargest);
   return ray;
 }

@@ -101,8 +101,39 @@ TEST_P(BvhSteps, AMillionAdversarialRaysVisitNoMoreNodesThanThereAreAndAgreeWith
 INSTANTIATE_TEST_SUITE_P(Traversals, BvhSteps,
                          testing::Values("bvh", "bvh:traversal=packet", "bvh:traversal=heap", "bvh:traversal=beam", "bvh:traversal=stream",
                                          "bvh:traversal=single", "bvh:traversal=stream,plane_bits=8", "bvh:traversal=single,plane_bits=5",
-                                         "bvh:builder=sbvh,split_overlap=0", "bvh:traversal=packet,volume=sphere", "bvh:traversal=packet,volume=kdop"),
+                                         "bvh:builder=sbvh,split_overlap=0", "bvh:traversal=packet,volume=sphere", "bvh:traversal=packet,volume=obb",
+                                         "bvh:traversal=packet,volume=kdop"),
                          [](const testing::TestParamInfo<const char*>& technique) { return test::test_name(technique.param); });
+
+/// Directions whose components are all denormal, which cannot be made as long as others without losing t, in scenes small enough for finite t.
+TEST(BvhTraversals, FindWhatRaysOfDenormalDirectionsMeet) {
+  constexpr std::array<float, 9> kSpeeds{0, 0, -0.0f, 0x1p-149f, -0x1p-149f, 0x1p-148f, -0x1p-147f, 0x1p-145f, -0x1p-140f};
+  for (const int exponent : {-19, -22, -25}) {
+    const double unit = std::ldexp(1.0, exponent);
+    const Scene scene = test::lattice_scene(8, 48, unit);
+    test::Planes planes;
+    for (auto& on_axis : planes) {
+      for (int i = -4; i < 21; ++i) on_axis.push_back(static_cast<float>(unit * i / 2));
+    }
+    RayBatch rays = test::plane_rays(100000, planes);
+    std::mt19937 random(12);
+    for (auto& column : rays.dir) {
+      for (float& d : column) d = kSpeeds[random() % kSpeeds.size()];
+    }
+    for (const Isa isa : kIsas) {
+      if (!available(isa)) continue;
+      const HitBatch list = test::answer(scene, rays, "list", isa, 64).hits;
+      for (const std::string traversal : {"packet", "heap"}) {
+        for (const std::string volume : {"aabb", "sphere", "obb", "kdop"}) {
+          const std::string technique = "bvh:traversal=" + traversal + ",volume=" + volume;
+          SCOPED_TRACE(technique + ", " + std::string(name(isa)) + ", unit 2^" + std::to_string(exponent));
+          const test::Answer found = test::answer(scene, rays, technique, isa, 64);
+          test::expect_as_list(found.hits, found.blocker, list);
+        }
+      }
+    }
+  }
+}
 
 TEST(BvhTraversals, NearestFirstOpensTheFewestNodes) {
   const Scene scene = test::mixed_scene(2000, 0.1);

@@ -16,24 +16,25 @@ namespace raymeter::test {
 
 inline constexpr int kAdversarialRays = 1000000;
 
-/// Triangles, squares and spheres on whole coordinates 0 .. n: planes, of halves and of the heuristic, pass through vertices, edges and faces.
-inline Scene lattice_scene(int n, int count) {
+/// Triangles, squares and spheres on whole coordinates 0 .. n, in units of `unit`: planes, of halves and of the heuristic, pass through vertices, edges and
+/// faces.
+inline Scene lattice_scene(int n, int count, double unit = 1) {
   std::mt19937 random(11);
   Scene scene;
   const auto corner = [&] {
     glm::dvec3 p;
-    for (glm::length_t a = 0; a < 3; ++a) p[a] = static_cast<double>(random() % (static_cast<unsigned>(n) + 1));
+    for (glm::length_t a = 0; a < 3; ++a) p[a] = unit * static_cast<double>(random() % (static_cast<unsigned>(n) + 1));
     return p;
   };
   for (int i = 0; i < count; ++i) {
     const glm::dvec3 p = corner();
     const auto a = static_cast<glm::length_t>(random() % 3);
     glm::dvec3 u(0.0), v(0.0);
-    u[(a + 1) % 3] = v[(a + 2) % 3] = 1;
+    u[(a + 1) % 3] = v[(a + 2) % 3] = unit;
     switch (i % 4) {
       case 0: scene.add_triangle(p, p + u, p + v); break;
       case 1: scene.add_polygon(std::array{p, p + u, p + u + v, p + v}); break;
-      case 2: scene.add_sphere(p, 0.5); break;
+      case 2: scene.add_sphere(p, 0.5 * unit); break;
       default: scene.add_triangle(p, corner(), corner());
     }
   }
