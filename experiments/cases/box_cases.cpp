@@ -258,7 +258,7 @@ Problem box_edges(int count, std::uint64_t seed) {
   const glm::dvec3 middle = double{kOffset} * glm::dvec3(1, 1.3, 1.6);
   Random random(10);
   std::vector<std::array<glm::dvec3, 2>> boxes;
-  for (int k = 0; k < 300; ++k) {
+  for (int k = 0; k < 100; ++k) {
     const glm::dvec3 low = glm::dvec3(glm::vec3(middle + random.in_cube(20))), extent = (random.in_cube(0.5) + 0.55) * std::exp2(random.uniform(-3, 2));
     boxes.push_back({low, glm::dvec3(glm::vec3(low + extent))});
     add_box(problem.scene, boxes.back()[0], boxes.back()[1]);
