@@ -83,7 +83,8 @@ private:
   // ray_cells_lists.cpp: what they list, and what is kept
   [[nodiscard]] std::vector<Candidate> list_of(const Cell& cell) const;
   [[nodiscard]] std::vector<Candidate> class_list(std::int32_t ray_class) const;
-  void make_list(Cell& cell);
+  void make_lists(const std::vector<std::int32_t>& cells);
+  void keep(Cell& cell, const std::vector<Candidate>& list);
   std::int32_t new_cell(const CellAddress& address, std::int32_t parent);
   void drop_list(Cell& cell) noexcept;
   void make_room(std::size_t bytes);

@@ -18,11 +18,6 @@ constexpr int kPatience = 25;
 /// Candidates that are looked at between two looks at the memory.
 constexpr std::int64_t kRoundCandidates = 1 << 20;
 
-template <class T, class Body>
-void for_each(std::vector<T>& items, Body&& body) {
-  tbb::parallel_for(std::size_t{0}, items.size(), [&](std::size_t i) { body(items[i]); });
-}
-
 /// The first of rays [begin, end) whose keys are not below `key`.
 std::int32_t lower_bound(const RayOrder& rays, std::int32_t begin, std::int32_t end, std::uint64_t key) noexcept {
   const std::uint64_t* const first = rays.key.data();
@@ -153,8 +148,7 @@ void RayCells::make_halves(const std::vector<Share>& round, const std::vector<st
     without_list.push_back(round[i].cell);
   }
   if (needed > 0) make_room(needed);
-  for_each(without_list, [&](std::int32_t cell) { make_list(at(cell)); });
-  for (const std::int32_t cell : without_list) take(list_bytes(at(cell).count));
+  make_lists(without_list);
   for (std::size_t i = 0; i < round.size(); ++i) {
     for (std::size_t side = 0; side < 2; ++side) {
       const std::int32_t parent = round[i].cell;
@@ -167,8 +161,7 @@ void RayCells::make_halves(const std::vector<Share>& round, const std::vector<st
       fresh.push_back(child);
     }
   }
-  for_each(fresh, [&](std::int32_t cell) { make_list(at(cell)); });
-  for (const std::int32_t cell : fresh) take(list_bytes(at(cell).count));
+  make_lists(fresh);
 }
 
 /// Makes the lists that serving cells lack, and tells each ray its cell.
@@ -182,8 +175,7 @@ void RayCells::publish(const RayOrder& rays) {
     needed += list_bytes(cell.count);
   }
   if (needed > 0) make_room(needed);
-  for_each(missing, [&](std::int32_t cell) { make_list(at(cell)); });
-  take(needed);
+  make_lists(missing);
 
   cell_of_rays_.resize(rays.key.size());
   served_.resize(leaves_.size());

@@ -4,10 +4,19 @@
 #include <limits>
 #include <numeric>
 
+#include <tbb/parallel_for.h>
+
 #include "accel/ray_classification/ray_cells.h"
 #include "core/base/threads.h"
 
 namespace raymeter {
+
+namespace {
+
+/// Candidates that are looked at between two times that what was found is kept: much for the threads, little beside the smallest budgets.
+constexpr std::int64_t kBlockCandidates = 1 << 17;
+
+}  // namespace
 
 ClassifiedScene::ClassifiedScene(const Scene& scene, const RayClassificationParams& params, int threads)
     : pools(scene.pools()),
@@ -78,6 +87,7 @@ std::vector<Candidate> RayCells::list_of(const Cell& cell) const {
   const std::uint32_t planes = Beam::planes_changed(axis, side);
   const Beam beam(scene_.space, cell.address);
   std::vector<Candidate> list;
+  list.reserve(from.size());
   for (const Candidate candidate : from) {
     if (!beam.meets(planes, scene_.box(candidate))) continue;
     const PrimRef prim = prim_ref(static_cast<PrimKind>(candidate.kind()), static_cast<std::size_t>(candidate.index()));
@@ -86,13 +96,27 @@ std::vector<Candidate> RayCells::list_of(const Cell& cell) const {
   return list;
 }
 
-/// May run for several cells at once: none is another's ancestor. The caller adds up the bytes.
-void RayCells::make_list(Cell& cell) {
-  const std::vector<Candidate> list = list_of(cell);
+/// Of cells of which none is another's ancestor. All threads find lists, but one keeps them: the heap gives threads memory of their own, and what lists of one
+/// leave free would not serve those of another.
+void RayCells::make_lists(const std::vector<std::int32_t>& cells) {
+  std::vector<std::vector<Candidate>> found;
+  for (std::size_t first = 0, last = 0; first < cells.size(); first = last) {
+    for (std::int64_t candidates = 0; last < cells.size() && candidates < kBlockCandidates; ++last) {
+      const std::int32_t parent = at(cells[last]).parent;
+      candidates += parent < 0 ? at(cells[last]).count : at(parent).count;
+    }
+    found.resize(last - first);
+    tbb::parallel_for(first, last, [&](std::size_t i) { found[i - first] = list_of(at(cells[i])); });
+    for (std::size_t i = first; i < last; ++i) keep(at(cells[i]), found[i - first]);
+  }
+}
+
+void RayCells::keep(Cell& cell, const std::vector<Candidate>& list) {
   cell.count = static_cast<std::int32_t>(list.size());
   if (!list.empty()) {
     cell.list = std::make_unique_for_overwrite<Candidate[]>(list.size());
     std::copy(list.begin(), list.end(), cell.list.get());
+    take(list_bytes(cell.count));
   }
   if (cell.parent < 0) return;
   const Cell& parent = at(cell.parent);
