@@ -188,10 +188,9 @@ double cell_count(const Config& config) noexcept {
   return count;
 }
 
-std::vector<Experiment> expand(const Config& config, const Pattern& filter, const Shard& shard) {
+std::vector<Experiment> expand(const Config& config, const Pattern& filter, const Shard& shard) try {
   constexpr double kMaxCells = 1e6;
-  if (const double count = cell_count(config); count > kMaxCells)
-    throw Error(fmt::format("{}: matrix has {:g} cells, expected at most {:g}", config.path, count, kMaxCells));
+  if (const double count = cell_count(config); count > kMaxCells) throw Error(fmt::format("matrix has {:g} cells, expected at most {:g}", count, kMaxCells));
   const Matrix& m = config.matrix;
   check_use(m.first_hit, first_hits(), m.rays, takes_first_hit, "primary or image");
   check_use(m.occlusion, occlusions(), m.rays, takes_occlusion, "shadow or image");
@@ -208,6 +207,8 @@ std::vector<Experiment> expand(const Config& config, const Pattern& filter, cons
     }
   }
   return cells;
+} catch (const Error& error) {
+  throw Error(config.path + ": " + error.what());
 }
 
 std::string canonical_json(const Experiment& e) {

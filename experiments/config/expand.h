@@ -19,7 +19,7 @@ struct Shard {
 [[nodiscard]] double cell_count(const Config& config) noexcept;
 
 /// The cells of a config: the product of its lists without what it excludes, then those of `filter` and `shard`. Every cell once, scene by scene.
-/// Throws Error where the product has more than a million cells.
+/// Throws Error, which names the config, where the product has more than a million cells, parameters do not go together, or nothing takes what is asked for.
 [[nodiscard]] std::vector<Experiment> expand(const Config& config, const Pattern& filter = {}, const Shard& shard = {});
 
 /// The canonical JSON of a cell, for records: its parameters as they are used, defaults included.

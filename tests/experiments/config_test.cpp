@@ -45,13 +45,13 @@ TEST(Config, AsksForWalksOnlyWhereSomethingWalks) {
     return R"({"name": "n", "verify": {"oracle": false, "cells": true}, "matrix": {"scene": "spd:balls:1", "structure": [{"name": "bvh"}, )" + structure +
            R"(], "rays": )" + rays + "}}";
   };
-  const std::string nothing_walks = "verify.cells: no structure walks through cells, expected grid with traversal=lanes among matrix.structure";
+  const std::string nothing_walks = "c.json: verify.cells: no structure walks through cells, expected grid with traversal=lanes among matrix.structure";
   EXPECT_EQ(message(walked(R"({"name": "grid"})", R"("primary")")), "no error");
   EXPECT_EQ(message(walked(R"({"name": "grid", "traversal": ["slices", "lanes"]})", R"(["image", "primary"])")), "no error");
   EXPECT_EQ(message(walked(R"({"name": "grid", "traversal": "slices"})", R"("primary")")), nothing_walks);
   EXPECT_EQ(message(walked(R"({"name": "recursive_grid"})", R"("primary")")), nothing_walks);
   EXPECT_EQ(message(walked(R"({"name": "grid"})", R"("image")")),
-            "verify.cells: walks are those of ray sets, expected another than \"image\" among matrix.rays");
+            "c.json: verify.cells: walks are those of ray sets, expected another than \"image\" among matrix.rays");
 }
 
 TEST(Config, HoldsNumbersOutsideOfARangeThatAreAllowed) {

@@ -97,7 +97,7 @@ TEST(SlotsOfAConfig, ExpandTheirParameters) {
   EXPECT_EQ(technique_text(cells[1]), technique_text("list", cells[1].params) + "+shadow_cache:key=light,update=batch,batch=512,forget=false");
   EXPECT_NE(cells[1].id, cells[2].id);
   EXPECT_EQ(error_of([] { (void)expand(parse(R"(, "rays": "shadow", "occlusion": {"name": "shadow_cache", "update": "serial", "batch": 2})")); }),
-            "matrix.occlusion.batch: does nothing beside the other parameters, expected its default, 512, got 2 (rays of a batch, in images within a tile of "
+            "c.json: matrix.occlusion.batch: does nothing beside the other parameters, expected its default, 512, got 2 (rays of a batch, in images within a tile of "
             "4096 pixels: fewer learn "
             "sooner, more share packets and threads)");
 }
@@ -120,7 +120,7 @@ TEST(SlotsOfAConfig, HoldTheirDefaultsWhereRaysDoNotComeByThem) {
     EXPECT_TRUE(cell.rays.name == "shadow" || technique_text(cell.occlusion) == "none") << cell.rays.name;
   }
   EXPECT_EQ(error_of([] { (void)expand(parse(R"(, "rays": ["primary", "random"], "occlusion": ["none", "shadow_cache"])")); }),
-            "matrix.occlusion[1]: shadow_cache has no part in matrix.rays, expected shadow or image there");
+            "c.json: matrix.occlusion[1]: shadow_cache has no part in matrix.rays, expected shadow or image there");
 }
 
 TEST(SlotsOfAConfig, AreWhatAReferenceMayDifferIn) {

@@ -52,7 +52,7 @@ TEST(UsedParams, OthersAreRefusedUnlessTheyAreAtTheirDefaults) {
                        "list:k: does nothing beside the other parameters, expected its default, 14, got 26 (kdop without directions: planes; 6, 8, 12, 14, "
                        "18, 20 or 26)");
   expect_error_message([] { (void)cells(R"({"name": "bvh", "volume": ["aabb", "sphere"], "k": 26})"); },
-                       "matrix.structure.k: does nothing beside the other parameters, expected its default, 14, got 26 (kdop without directions: planes; 6, "
+                       "c.json: matrix.structure.k: does nothing beside the other parameters, expected its default, 14, got 26 (kdop without directions: planes; 6, "
                        "8, 12, 14, 18, 20 or 26)");
 }
 
