@@ -78,12 +78,12 @@ private:
   void begin_with_classes(const RayOrder& rays);
   void split_round(const RayOrder& rays, std::vector<Share>& round);
   void make_halves(const std::vector<Share>& round, const std::vector<std::int32_t>& middle);
+  void make_lists(const std::vector<std::int32_t>& cells);
   void publish(const RayOrder& rays);
   void find_stats() noexcept;
   // ray_cells_lists.cpp: what they list, and what is kept
   [[nodiscard]] std::vector<Candidate> list_of(const Cell& cell) const;
   [[nodiscard]] std::vector<Candidate> class_list(std::int32_t ray_class) const;
-  void make_lists(const std::vector<std::int32_t>& cells);
   void keep(Cell& cell, const std::vector<Candidate>& list);
   std::int32_t new_cell(const CellAddress& address, std::int32_t parent);
   void drop_list(Cell& cell) noexcept;

@@ -4,19 +4,10 @@
 #include <limits>
 #include <numeric>
 
-#include <tbb/parallel_for.h>
-
 #include "accel/ray_classification/ray_cells.h"
 #include "core/base/threads.h"
 
 namespace raymeter {
-
-namespace {
-
-/// Candidates that are looked at between two times that what was found is kept: much for the threads, little beside the smallest budgets.
-constexpr std::int64_t kBlockCandidates = 1 << 17;
-
-}  // namespace
 
 ClassifiedScene::ClassifiedScene(const Scene& scene, const RayClassificationParams& params, int threads)
     : pools(scene.pools()),
@@ -94,21 +85,6 @@ std::vector<Candidate> RayCells::list_of(const Cell& cell) const {
     if (beam.meets(planes, scene_.pools, prim)) list.push_back(candidate);
   }
   return list;
-}
-
-/// Of cells of which none is another's ancestor. All threads find lists, but one keeps them: the heap gives threads memory of their own, and what lists of one
-/// leave free would not serve those of another.
-void RayCells::make_lists(const std::vector<std::int32_t>& cells) {
-  std::vector<std::vector<Candidate>> found;
-  for (std::size_t first = 0, last = 0; first < cells.size(); first = last) {
-    for (std::int64_t candidates = 0; last < cells.size() && candidates < kBlockCandidates; ++last) {
-      const std::int32_t parent = at(cells[last]).parent;
-      candidates += parent < 0 ? at(cells[last]).count : at(parent).count;
-    }
-    found.resize(last - first);
-    tbb::parallel_for(first, last, [&](std::size_t i) { found[i - first] = list_of(at(cells[i])); });
-    for (std::size_t i = first; i < last; ++i) keep(at(cells[i]), found[i - first]);
-  }
 }
 
 void RayCells::keep(Cell& cell, const std::vector<Candidate>& list) {

@@ -228,7 +228,7 @@ Problem denormal_directions(int count, std::uint64_t seed) {
     }
     add(problem, r, kUnknown);
   }
-  return solved(std::move(problem));
+  return finished(std::move(problem));
 }
 
 Problem invalid_rays(int count, std::uint64_t seed) {

@@ -96,10 +96,11 @@ TEST(SlotsOfAConfig, ExpandTheirParameters) {
   EXPECT_EQ(field(cells[0], "occlusion.key"), std::nullopt);
   EXPECT_EQ(technique_text(cells[1]), technique_text("list", cells[1].params) + "+shadow_cache:key=light,update=batch,batch=512,forget=false");
   EXPECT_NE(cells[1].id, cells[2].id);
-  EXPECT_EQ(error_of([] { (void)expand(parse(R"(, "rays": "shadow", "occlusion": {"name": "shadow_cache", "update": "serial", "batch": 2})")); }),
-            "c.json: matrix.occlusion.batch: does nothing beside the other parameters, expected its default, 512, got 2 (rays of a batch, in images within a tile of "
-            "4096 pixels: fewer learn "
-            "sooner, more share packets and threads)");
+  EXPECT_EQ(
+      error_of([] { (void)expand(parse(R"(, "rays": "shadow", "occlusion": {"name": "shadow_cache", "update": "serial", "batch": 2})")); }),
+      "c.json: matrix.occlusion.batch: does nothing beside the other parameters, expected its default, 512, got 2 (rays of a batch, in images within a tile of "
+      "4096 pixels: fewer learn "
+      "sooner, more share packets and threads)");
 }
 
 TEST(SlotsOfAConfig, AreFilteredAndExcludedBy) {

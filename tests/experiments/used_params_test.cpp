@@ -51,9 +51,10 @@ TEST(UsedParams, OthersAreRefusedUnlessTheyAreAtTheirDefaults) {
   expect_error_message([] { (void)parse_technique("list:volume=aabb,k=26"); },
                        "list:k: does nothing beside the other parameters, expected its default, 14, got 26 (kdop without directions: planes; 6, 8, 12, 14, "
                        "18, 20 or 26)");
-  expect_error_message([] { (void)cells(R"({"name": "bvh", "volume": ["aabb", "sphere"], "k": 26})"); },
-                       "c.json: matrix.structure.k: does nothing beside the other parameters, expected its default, 14, got 26 (kdop without directions: planes; 6, "
-                       "8, 12, 14, 18, 20 or 26)");
+  expect_error_message(
+      [] { (void)cells(R"({"name": "bvh", "volume": ["aabb", "sphere"], "k": 26})"); },
+      "c.json: matrix.structure.k: does nothing beside the other parameters, expected its default, 14, got 26 (kdop without directions: planes; 6, "
+      "8, 12, 14, 18, 20 or 26)");
 }
 
 TEST(UsedParams, MakeTheCellsOfAProduct) {
