@@ -17,8 +17,9 @@ namespace {
 constexpr int kPatience = 25;
 /// Candidates that are looked at between two looks at the memory.
 constexpr std::int64_t kRoundCandidates = 1 << 20;
-/// Candidates that are looked at, at most, between two times that what was found is kept: much for the threads. Nor more than take this part of the budget.
-constexpr std::int64_t kBlockCandidates = 1 << 17;
+/// Candidates that are looked at, at most, between two times that what was found is kept: much for the threads.
+constexpr std::size_t kBlockCandidates = 1 << 17;
+/// The part of the budget that these take at most.
 constexpr std::size_t kBlockShare = 64;
 
 /// The first of rays [begin, end) whose keys are not below `key`.
@@ -170,10 +171,10 @@ void RayCells::make_halves(const std::vector<Share>& round, const std::vector<st
 /// Of cells of which none is another's ancestor. All threads find lists, but one keeps them: the heap gives threads memory of their own, and what lists of one
 /// leave free would not serve those of another.
 void RayCells::make_lists(const std::vector<std::int32_t>& cells) {
-  const std::int64_t block = std::min(kBlockCandidates, static_cast<std::int64_t>(budget_ / (kBlockShare * sizeof(Candidate))));
+  const auto block = static_cast<std::int64_t>(std::clamp(budget_ / (kBlockShare * sizeof(Candidate)), std::size_t{1}, kBlockCandidates));
   std::vector<std::vector<Candidate>> found;
   for (std::size_t first = 0, last = 0; first < cells.size(); first = last) {
-    for (std::int64_t candidates = 0; last < cells.size() && candidates < std::max(block, std::int64_t{1}); ++last) {
+    for (std::int64_t candidates = 0; last < cells.size() && candidates < block; ++last) {
       const std::int32_t parent = at(cells[last]).parent;
       candidates += parent < 0 ? at(cells[last]).count : at(parent).count;
     }
