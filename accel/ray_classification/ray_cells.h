@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <span>
 #include <vector>
@@ -40,7 +39,7 @@ public:
   /// Of the parameters those of a query count.
   RayCells(const ClassifiedScene& scene, const RayClassificationParams& params);
 
-  /// The least memory in which every batch can be served: the lists of all six classes.
+  /// The least memory in which every batch can be served: the lists of all six classes, and one that is being made.
   [[nodiscard]] static std::size_t least_bytes(const ClassifiedScene& scene) noexcept;
 
   /// Finds the cells of a batch. Call in an arena of the wanted threads.
@@ -50,24 +49,24 @@ public:
   [[nodiscard]] const std::vector<RayCell>& cells() const noexcept { return served_; }
   [[nodiscard]] const Column<std::int32_t>& cell_of_rays() const noexcept { return cell_of_rays_; }
   [[nodiscard]] const DemandStats& stats() const noexcept { return stats_; }
-  /// The most that cells and their lists have taken at any time: never more than memory_mb.
+  /// The most that cells, their lists and those that were being made have taken at any time: never more than memory_mb.
   [[nodiscard]] std::size_t most_bytes() const noexcept { return most_bytes_; }
 
 private:
+  /// Each an allocation of its own: what one batch leaves free serves the lists of another.
   struct Cell {
-    CellAddress address;
-    std::int32_t parent = -1;
-    std::array<std::int32_t, 2> child{-1, -1};
-    std::int32_t count = 0;             ///< candidates, known also while the list is not kept
-    std::int32_t shrunk_count = 0;      ///< candidates of the ancestor from which on lists have to have shrunk
-    std::int32_t shrunk_depth = 0;      ///< and its depth
-    std::uint32_t used = 0;             ///< the last batch that had rays here
-    bool held = false;                  ///< serves the batch, or may yet
+    Cell* parent = nullptr;
+    std::array<std::unique_ptr<Cell>, 2> child;
     std::unique_ptr<Candidate[]> list;  ///< null: not kept
+    CellAddress address;
+    std::int32_t count = 0;         ///< candidates, known also while the list is not kept
+    std::uint32_t used = 0;         ///< the last batch that had rays here
+    std::uint8_t shrunk_depth = 0;  ///< of the ancestor from which on lists have to have shrunk
+    bool held = false;              ///< serves the batch, or may yet
   };
   /// Rays [begin, end) of the batch, which are those of a cell.
   struct Share {
-    std::int32_t cell;
+    Cell* cell;
     std::int32_t begin;
     std::int32_t end;
   };
@@ -78,30 +77,29 @@ private:
   void begin_with_classes(const RayOrder& rays);
   void split_round(const RayOrder& rays, std::vector<Share>& round);
   void make_halves(const std::vector<Share>& round, const std::vector<std::int32_t>& middle);
-  void make_lists(const std::vector<std::int32_t>& cells);
+  void make_lists(const std::vector<Cell*>& cells);
   void publish(const RayOrder& rays);
   void find_stats() noexcept;
   // ray_cells_lists.cpp: what they list, and what is kept
   [[nodiscard]] std::vector<Candidate> list_of(const Cell& cell) const;
   [[nodiscard]] std::vector<Candidate> class_list(std::int32_t ray_class) const;
+  [[nodiscard]] std::size_t made_from(const Cell& cell) const noexcept;
   void keep(Cell& cell, const std::vector<Candidate>& list);
-  std::int32_t new_cell(const CellAddress& address, std::int32_t parent);
+  [[nodiscard]] std::unique_ptr<Cell> new_cell(const CellAddress& address, Cell* parent);
   void drop_list(Cell& cell) noexcept;
   void make_room(std::size_t bytes);
   void take(std::size_t bytes) noexcept;
-  void remove_unused() noexcept;
+  [[nodiscard]] bool unused(Cell& cell, std::uint32_t last) noexcept;
   [[nodiscard]] static std::size_t list_bytes(std::int32_t count) noexcept;
-  [[nodiscard]] Cell& at(std::int32_t cell) noexcept { return cells_[static_cast<std::size_t>(cell)]; }
-  [[nodiscard]] const Cell& at(std::int32_t cell) const noexcept { return cells_[static_cast<std::size_t>(cell)]; }
+  [[nodiscard]] static std::size_t cell_bytes() noexcept;
 
   const ClassifiedScene& scene_;
   int leaf_size_;
   int min_rays_;
   std::int32_t most_candidates_;  ///< that serve rays (weak where lists hold more)
-  std::size_t budget_;
-  std::deque<Cell> cells_;  ///< places, some of them free
-  std::vector<std::int32_t> free_;
-  std::array<std::int32_t, kRayClasses> class_cell_;
+  std::size_t block_;             ///< candidates that lists are made from, at most, before these are kept: much for the threads, little of the memory
+  std::size_t budget_;            ///< for what is kept
+  std::array<std::unique_ptr<Cell>, kRayClasses> class_cell_;
   std::size_t bytes_ = 0;       ///< of cells and lists
   std::size_t most_bytes_ = 0;  ///< at any time
   std::uint32_t batch_ = 0;

@@ -17,10 +17,6 @@ namespace {
 constexpr int kPatience = 25;
 /// Candidates that are looked at between two looks at the memory.
 constexpr std::int64_t kRoundCandidates = 1 << 20;
-/// Candidates that are looked at, at most, between two times that what was found is kept: much for the threads.
-constexpr std::size_t kBlockCandidates = 1 << 17;
-/// The part of the budget that these take at most.
-constexpr std::size_t kBlockShare = 64;
 
 /// The first of rays [begin, end) whose keys are not below `key`.
 std::int32_t lower_bound(const RayOrder& rays, std::int32_t begin, std::int32_t end, std::uint64_t key) noexcept {
@@ -32,7 +28,7 @@ std::int32_t lower_bound(const RayOrder& rays, std::int32_t begin, std::int32_t 
 
 void RayCells::serve(const RayOrder& rays) {
   ++batch_;
-  for (const Share& leaf : leaves_) at(leaf.cell).held = false;
+  for (const Share& leaf : leaves_) leaf.cell->held = false;
   leaves_.clear();
   held_bytes_ = 0;
   begin_with_classes(rays);
@@ -45,7 +41,7 @@ void RayCells::serve(const RayOrder& rays) {
       waiting_[level].clear();
       std::int64_t candidates = 0;
       for (const Share& share : now) {
-        const std::size_t cost = 2 * (list_bytes(at(share.cell).count) + sizeof(Cell));
+        const std::size_t cost = 2 * (list_bytes(share.cell->count) + cell_bytes());
         if (full || !worth_splitting(share)) {
           leaves_.push_back(share);
           continue;
@@ -60,7 +56,7 @@ void RayCells::serve(const RayOrder& rays) {
           continue;
         }
         held_bytes_ += cost;
-        candidates += at(share.cell).count;
+        candidates += share.cell->count;
         round.push_back(share);
       }
       split_round(rays, round);
@@ -77,31 +73,31 @@ void RayCells::begin_with_classes(const RayOrder& rays) {
     const std::int32_t begin = lower_bound(rays, 0, ray_count, static_cast<std::uint64_t>(c) << bits);
     const std::int32_t end = lower_bound(rays, begin, ray_count, static_cast<std::uint64_t>(c + 1) << bits);
     if (begin == end) {
-      held_bytes_ += sizeof(Cell);  // another batch may have left it here, and it stays
+      held_bytes_ += cell_bytes();  // another batch may have left it here, and it stays
       continue;
     }
-    std::int32_t& cell = class_cell_[static_cast<std::size_t>(c)];
-    if (cell < 0) {
-      make_room(sizeof(Cell));
-      cell = new_cell({{}, static_cast<std::uint8_t>(c), 0}, -1);
-      at(cell).count = at(cell).shrunk_count = static_cast<std::int32_t>(scene_.prims.size());
+    std::unique_ptr<Cell>& cell = class_cell_[static_cast<std::size_t>(c)];
+    if (!cell) {
+      make_room(cell_bytes());
+      cell = new_cell({{}, static_cast<std::uint8_t>(c), 0}, nullptr);
+      cell->count = static_cast<std::int32_t>(scene_.prims.size());
     }
-    wait({cell, begin, end});
+    wait({cell.get(), begin, end});
   }
 }
 
 bool RayCells::worth_splitting(const Share& share) const noexcept {
-  const Cell& cell = at(share.cell);
+  const Cell& cell = *share.cell;
   return cell.count > leaf_size_ && share.end - share.begin >= min_rays_ && cell.address.depth < scene_.space.depth(cell.address.ray_class) &&
          cell.address.depth - cell.shrunk_depth < kPatience;
 }
 
 /// Puts a cell that has rays where the next to be split are looked for.
 void RayCells::wait(const Share& share) {
-  Cell& cell = at(share.cell);
+  Cell& cell = *share.cell;
   cell.used = batch_;
   cell.held = true;
-  held_bytes_ += list_bytes(cell.count) + sizeof(Cell);
+  held_bytes_ += list_bytes(cell.count) + cell_bytes();
   const std::uint64_t work = static_cast<std::uint64_t>(share.end - share.begin) * static_cast<std::uint64_t>(cell.count);
   waiting_[work > 0 ? static_cast<std::size_t>(std::bit_width(work)) - 1 : 0].push_back(share);
 }
@@ -111,7 +107,7 @@ void RayCells::split_round(const RayOrder& rays, std::vector<Share>& round) {
   std::vector<std::int32_t> middle(round.size());
   tbb::parallel_for(std::size_t{0}, round.size(), [&](std::size_t i) {
     const Share& share = round[i];
-    const int bit = scene_.space.key_bits() - 1 - at(share.cell).address.depth;
+    const int bit = scene_.space.key_bits() - 1 - share.cell->address.depth;
     const std::uint64_t upper = ((rays.key[static_cast<std::size_t>(share.begin)] >> bit) | 1u) << bit;
     middle[i] = lower_bound(rays, share.begin, share.end, upper);
   });
@@ -119,11 +115,11 @@ void RayCells::split_round(const RayOrder& rays, std::vector<Share>& round) {
   make_halves(round, middle);
   for (std::size_t i = 0; i < round.size(); ++i) {
     const Share share = round[i];
-    Cell& cell = at(share.cell);
+    Cell& cell = *share.cell;
     cell.held = false;
-    held_bytes_ -= 3 * list_bytes(cell.count) + 2 * sizeof(Cell);  // the cell itself goes on to count
-    if (middle[i] > share.begin) wait({cell.child[0], share.begin, middle[i]});
-    if (middle[i] < share.end) wait({cell.child[1], middle[i], share.end});
+    held_bytes_ -= 3 * list_bytes(cell.count) + 2 * cell_bytes();  // the cell itself goes on to count
+    if (middle[i] > share.begin) wait({cell.child[0].get(), share.begin, middle[i]});
+    if (middle[i] < share.end) wait({cell.child[1].get(), middle[i], share.end});
   }
   round.clear();
 }
@@ -134,18 +130,18 @@ void RayCells::make_halves(const std::vector<Share>& round, const std::vector<st
   const auto has_rays = [&](std::size_t i, std::size_t side) noexcept { return side == 0 ? middle[i] > round[i].begin : middle[i] < round[i].end; };
   for (std::size_t i = 0; i < round.size(); ++i) {
     for (std::size_t side = 0; side < 2; ++side) {
-      if (const std::int32_t child = at(round[i].cell).child[side]; has_rays(i, side) && child >= 0) at(child).used = batch_;
+      if (const auto& child = round[i].cell->child[side]; has_rays(i, side) && child) child->used = batch_;
     }
   }
   std::size_t needed = 0;
-  std::vector<std::int32_t> without_list, fresh;
+  std::vector<Cell*> without_list, fresh;
   for (std::size_t i = 0; i < round.size(); ++i) {
-    const Cell& cell = at(round[i].cell);
+    const Cell& cell = *round[i].cell;
     bool makes = false;
     for (std::size_t side = 0; side < 2; ++side) {
-      if (!has_rays(i, side) || cell.child[side] >= 0) continue;
+      if (!has_rays(i, side) || cell.child[side]) continue;
       makes = true;
-      needed += list_bytes(cell.count) + sizeof(Cell);
+      needed += list_bytes(cell.count) + cell_bytes();
     }
     if (!makes || cell.list) continue;
     needed += list_bytes(cell.count);
@@ -155,41 +151,47 @@ void RayCells::make_halves(const std::vector<Share>& round, const std::vector<st
   make_lists(without_list);
   for (std::size_t i = 0; i < round.size(); ++i) {
     for (std::size_t side = 0; side < 2; ++side) {
-      const std::int32_t parent = round[i].cell;
-      if (!has_rays(i, side) || at(parent).child[side] >= 0) continue;
-      CellAddress address = at(parent).address;
+      Cell& parent = *round[i].cell;
+      if (!has_rays(i, side) || parent.child[side]) continue;
+      CellAddress address = parent.address;
       std::uint16_t& index = address.index[static_cast<std::size_t>(scene_.space.split_axis(address.ray_class, address.depth++))];
       index = static_cast<std::uint16_t>(2 * index + side);
-      const std::int32_t child = new_cell(address, parent);
-      at(parent).child[side] = child;
-      fresh.push_back(child);
+      parent.child[side] = new_cell(address, &parent);
+      fresh.push_back(parent.child[side].get());
     }
   }
   make_lists(fresh);
 }
 
 /// Of cells of which none is another's ancestor. All threads find lists, but one keeps them: the heap gives threads memory of their own, and what lists of one
-/// leave free would not serve those of another.
-void RayCells::make_lists(const std::vector<std::int32_t>& cells) {
-  const auto block = static_cast<std::int64_t>(std::clamp(budget_ / (kBlockShare * sizeof(Candidate)), std::size_t{1}, kBlockCandidates));
+/// leave free would not serve those of another. Lists that are longer than a block are found one by one.
+void RayCells::make_lists(const std::vector<Cell*>& cells) {
   std::vector<std::vector<Candidate>> found;
   for (std::size_t first = 0, last = 0; first < cells.size(); first = last) {
-    for (std::int64_t candidates = 0; last < cells.size() && candidates < block; ++last) {
-      const std::int32_t parent = at(cells[last]).parent;
-      candidates += parent < 0 ? at(cells[last]).count : at(parent).count;
+    for (std::size_t candidates = 0; last < cells.size(); ++last) {
+      candidates += made_from(*cells[last]);
+      if (candidates > block_ && last > first) break;
     }
     found.resize(last - first);
-    tbb::parallel_for(first, last, [&](std::size_t i) { found[i - first] = list_of(at(cells[i])); });
-    for (std::size_t i = first; i < last; ++i) keep(at(cells[i]), found[i - first]);
+    tbb::parallel_for(first, last, [&](std::size_t i) { found[i - first] = list_of(*cells[i]); });
+    std::size_t found_bytes = 0;
+    for (const auto& list : found) found_bytes += list.size() * sizeof(Candidate);
+    for (std::size_t i = first; i < last; ++i) {
+      std::vector<Candidate>& list = found[i - first];
+      keep(*cells[i], list);
+      most_bytes_ = std::max(most_bytes_, bytes_ + found_bytes);
+      found_bytes -= list.size() * sizeof(Candidate);
+      list = {};
+    }
   }
 }
 
 /// Makes the lists that serving cells lack, and tells each ray its cell.
 void RayCells::publish(const RayOrder& rays) {
-  std::vector<std::int32_t> missing;
+  std::vector<Cell*> missing;
   std::size_t needed = 0;
   for (const Share& leaf : leaves_) {
-    const Cell& cell = at(leaf.cell);
+    const Cell& cell = *leaf.cell;
     if (cell.list || cell.count == 0) continue;
     missing.push_back(leaf.cell);
     needed += list_bytes(cell.count);
@@ -200,7 +202,7 @@ void RayCells::publish(const RayOrder& rays) {
   cell_of_rays_.resize(rays.key.size());
   served_.resize(leaves_.size());
   tbb::parallel_for(std::size_t{0}, leaves_.size(), [&](std::size_t i) {
-    const Cell& cell = at(leaves_[i].cell);
+    const Cell& cell = *leaves_[i].cell;
     served_[i] = {cell.list.get(), std::min(cell.count, most_candidates_), cell.address.ray_class};
     std::fill(cell_of_rays_.data() + leaves_[i].begin, cell_of_rays_.data() + leaves_[i].end, static_cast<std::int32_t>(i));
   });
@@ -222,10 +224,10 @@ void RayCells::find_stats() noexcept {
   stats_.cells = static_cast<std::int64_t>(leaves_.size());
   double part = 0, leaf_bytes = 0;
   for (const Share& leaf : leaves_) {
-    const Cell& cell = at(leaf.cell);
+    const Cell& cell = *leaf.cell;
     stats_.candidates += cell.count;
     part += std::ldexp(1.0 / kRayClasses, -cell.address.depth);
-    leaf_bytes += static_cast<double>(list_bytes(cell.count) + sizeof(Cell));
+    leaf_bytes += static_cast<double>(list_bytes(cell.count) + cell_bytes());
   }
   stats_.bytes = bytes_;
   stats_.full_bytes = part > 0 ? leaf_bytes / part : 0;

@@ -213,7 +213,7 @@ TEST(RayCells, NeverTakeMoreThanTheirBudget) {
     RayCells cells(classified, params);
     for (const RayBatch* rays : {&all, static_cast<const RayBatch*>(&one), &all}) serve(cells, ordered(classified, *rays));
     EXPECT_LE(cells.most_bytes(), static_cast<std::size_t>(params.memory_mb * 0x1p20));
-    EXPECT_GT(cells.most_bytes(), std::size_t{65000}) << "it is used";
+    EXPECT_GT(cells.most_bytes(), std::size_t{59500}) << "it is used, but for a 64th in which lists are made and a 16th for what lies free";
   }
 }
 
