@@ -8,7 +8,7 @@
 // Error: the reference point is off by 3 roundings of |P - org| + size, its parts across the axis by 3 of the size, the direction's by 2 of |dir|; over the way
 // to the hit, which is inside the cone, the coefficients' errors add up to 25 roundings of the size, t adds 2 of |P - org|: together within kSurfaceError.
 // t is clamped to the ray's interval in the cone's own box, so that P keeps kPrimitiveError. Boundary band: kSurfaceError around silhouette, rims and apex.
-// A ray that lies in the surface misses, and so does every ray where the axis is zero.
+// A ray that lies in the surface misses where nothing is rounded, but may be met; every ray misses where the axis is zero.
 
 #include "core/bounds/slab_kernel.h"
 #include "core/ray/ray_packet.h"

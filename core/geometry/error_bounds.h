@@ -9,7 +9,7 @@
 //
 // Accuracy: P is within kSurfaceError * (|P - org| + size) of the surface, here as Euclidean distances, size the diameter of the primitive. A ray that meets
 // the surface may be missed only where moving it by that much could take it off: at silhouettes, rims, outlines and the ends of its interval. Where triangles
-// or polygons share an edge or vertex it is not missed.
+// or polygons share an edge or vertex it is not missed. Of a polygon the surface is its plane within its box.
 
 namespace raymeter {
 

@@ -6,7 +6,7 @@
 // Error: P is within 8 roundings of |P - org| + size of the plane through vertex 0 with the stored normal. At grazing incidence that says little along the ray,
 // so t is clamped to the interval in which the ray is inside the polygon's own box: that keeps kPrimitiveError at any angle. The ray that is decided on passes
 // within 6 roundings of |P - org| and 3 of the extent of the given one (see the triangle), which the padding of that box covers: it takes no hit away that
-// the outline grants. Boundary band: kSeenVertexError. A polygon that is seen edge-on, with no area in ray space, is missed.
+// the outline grants. Boundary band: kSeenVertexError. It is missed if it is seen without an area; a ray in its plane may see one.
 
 #include "core/bounds/slab_kernel.h"
 #include "core/geometry/triangle_kernel.h"

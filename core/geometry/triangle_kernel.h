@@ -1,15 +1,15 @@
 #pragma once
 
 // Ray against triangle, watertight at edges and vertices: Woop, Benthin, Wald 2013 (JCGT 2(1)), with differences of products whose sign is exact
-// (FMA, or double where the instruction set has none), so that no edge needs a second look. Two-sided; zero area and coplanar rays miss (det = 0).
-// The vertices in ray space are a function of ray and vertex alone: triangles that share an edge see the same numbers and decide alike.
-//
+// (FMA, or double where the instruction set has none), so that no edge needs a second look. Two-sided; what is seen without an area (det = 0) is missed.
+// Vertices in ray space are a function of ray and vertex alone: triangles that share an edge see the same and decide alike. A triangle in whose plane the ray
+// lies is met if it is seen with an area, as it is where the shear rounds: it may be all that is seen around the ray, and without it there would be a hole.
 // Error, u = kUnitRoundoff, A = vertex - org, S the shear: a vertex is seen across the ray within u (2 |A_p| + 4 |S A_z|) per axis p (one less with FMA); that
 // is below kSeenVertexError |A|, the boundary band. With the weights w of these, Q = sum w V is a point of the triangle, and the ray passes Q within their
-// weighted mean. t starts from vertex a, so that what weights are off, 8 u, counts for differences of depth alone: with s the spread of z', t is within
-// 5 u |t| + 12 u s of Q's depth, of which 3 u (|t| + s / 2) are the vertices', u (|t| + s) and u |t| the sums'. With sum w |A_p| <= |P - org|_p + extent / 2,
-// P is outside the box by at most 11 u |P - org|_p + 15 u extent: less than kPrimitiveError.
-// Signs are exact while the residues of products are not denormal: for triangles that are seen at 2^-38 or more. Below that, edges may leak.
+// weighted mean. t starts from vertex a, so that what weights are off, 8 u, counts for differences of depth alone: with s the spread of z', t is at any angle
+// in 5 u |t| + 12 u s of Q's depth, of which 3 u (|t| + s / 2) are the vertices', u (|t| + s) and u |t| the sums'. With sum w |A_p| <= |P - org|_p + extent /
+// 2, P is outside the box by at most 11 u |P - org|_p + 15 u extent: less than kPrimitiveError. Triangles are met where twice the area that is seen of them is
+// 2^-126 or more, and all this holds from 2^-122 on: what underflows makes a sign 0 at most, never wrong, so that no edge between triangles that are met leaks.
 
 #include "core/ray/ray_packet.h"
 #include "core/scene/pools_view.h"

@@ -57,6 +57,63 @@ Problem coplanar(int count, std::uint64_t seed) {
   return finished(std::move(problem));
 }
 
+/// All in whole numbers, so that rays are in the planes exactly. Planes parallel to two axes, or to one and at 45 degrees to the others, are seen without
+/// rounding: there rays miss. In the others a facet may be seen with an area, and met; and so may the side of a cone along which rays run.
+Problem tilted_plane(int count, std::uint64_t seed) {
+  constexpr std::array<std::array<glm::dvec3, 2>, 11> kPlanes{{
+      {{{0, 1, 0}, {0, 0, 1}}},
+      {{{1, 0, 0}, {0, 0, 1}}},
+      {{{1, 0, 0}, {0, 1, 0}}},
+      {{{1, 1, 0}, {0, 0, 1}}},
+      {{{1, 0, -1}, {0, 1, 0}}},  // seen without rounding
+      {{{1, -1, 0}, {0, 1, -1}}},
+      {{{-3, 2, 1}, {2, 1, -3}}},
+      {{{2, -1, 0}, {3, 0, -1}}},
+      {{{5, 3, 0}, {0, 7, 5}}},
+      {{{1, 0, 16}, {0, 1, 3}}},
+      {{{3, 0, 1}, {0, 1, 0}}},
+  }};
+  constexpr std::size_t kExact = 5, kFacets = 8;
+  Problem problem;
+  Random random(22);
+  const auto whole = [](Random& numbers, int reach) { return static_cast<double>(numbers.below(static_cast<std::size_t>(2 * reach + 1))) - reach; };
+  std::array<std::array<glm::dvec3, 2 * kFacets>, kPlanes.size()> inside{};  // a point of each facet
+  for (std::size_t plane = 0; plane < kPlanes.size(); ++plane) {
+    const glm::dvec3 middle(4096.0 * static_cast<double>(plane), 0, 0);
+    const auto at = [&](double x, double y) { return middle + x * kPlanes[plane][0] + y * kPlanes[plane][1]; };
+    for (std::size_t k = 0; k < kFacets; ++k) {
+      const double x = whole(random, 8), y = whole(random, 8), width = 4 + whole(random, 3), height = 4 + whole(random, 3);
+      problem.scene.add_triangle(at(x, y), at(x + 2 * width, y + whole(random, 3)), at(x + whole(random, 3), y + 2 * height));
+      problem.scene.add_polygon(
+          std::array{at(y, x), at(y + 3 * width, x), at(y + 3 * width, x + 2), at(y + 2, x + 2), at(y + 2, x + 3 * height), at(y, x + 3 * height)});
+      inside[plane][2 * k] = at(x + 1, y + 1);
+      inside[plane][2 * k + 1] = at(y + 1, x + 1);
+    }
+  }
+  // Two that are known to be met: with scalar and SSE4.2, and with FMA.
+  problem.scene.add_triangle({0, -1, 4097}, {-5, 2, 4099}, {-8, -8, 4112});
+  problem.scene.add_triangle({-3, -6, 8201}, {0, -7, 8199}, {-6, -6, 8204});
+  add(problem, ray({-32, -32, 4160}, {83, 89, -172}, 0, 2), kUnknown);
+  add(problem, ray({-32, 24, 8200}, {87, -91, 4}, 0, 2), kUnknown);
+  for (int k = 0; k < 8; ++k) {
+    const glm::dvec3 base(-4096, 512.0 * k, whole(random, 60)), axis(3, 4, 0), across(-4, 3, 0);
+    const bool pointed = k % 2 != 0;
+    problem.scene.add_cone(base, 5, base + (1.0 + k) * axis, pointed ? 0 : 5);
+    const glm::dvec3 side = pointed ? (1.0 + k) * axis - across : axis;
+    for (int back = 0; back < 8; ++back) add(problem, ray(base + across - static_cast<double>(back) * side, side, 0, 16), kUnknown);
+  }
+  Random aims(seed);
+  for (int k = 0; k < count; ++k) {
+    const std::size_t plane = aims.below(kPlanes.size());
+    const double x = whole(aims, 60), y = whole(aims, 60);
+    const glm::dvec3 org = glm::dvec3(4096.0 * static_cast<double>(plane), 0, 0) + x * kPlanes[plane][0] + y * kPlanes[plane][1];
+    const glm::dvec3 dir = inside[plane][aims.below(2 * kFacets)] - org;
+    if (dir == glm::dvec3(0)) continue;
+    add(problem, ray(org, dir, 0, 2), plane < kExact ? kNothing : kUnknown);
+  }
+  return finished(std::move(problem));
+}
+
 Problem coincident_triangles(int, std::uint64_t) {
   Problem problem;
   for (int k = 0; k < 20'000; ++k) problem.scene.add_triangle({0, 0, 0}, {1, 0, 0.25}, {0, 1, 0});
@@ -113,7 +170,8 @@ Problem extreme_directions(int, std::uint64_t) {
   return finished(std::move(problem));
 }
 
-/// A shared-edge mesh whose numbers are random bits, and indices that are partly wrong: what a damaged file may hold.
+/// A strip of triangles that share vertices, and spheres, whose numbers are random bits; rays of random bits. What readers make of damaged files:
+/// tests/experiments/garbage_meshes_test.cpp.
 Problem garbage(int count, std::uint64_t seed) {
   Problem problem;
   Random random(57);

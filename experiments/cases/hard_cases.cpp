@@ -39,6 +39,7 @@ constexpr std::array kCases{
     // Triangles and polygons
     HardCase{"ties", "diagonals and the middle of a fan: the smallest id of those that tie", ties},
     HardCase{"coplanar", "polygons and triangles that overlap in one plane: the smallest id, without speckle", coplanar},
+    HardCase{"tilted_plane", "rays in planes of triangles and polygons and along sides of cones: misses, or hits within the declared errors", tilted_plane},
     HardCase{"coincident_triangles", "20,000 triangles in one place", coincident_triangles},
     HardCase{"degenerate", "triangles without area, a nearly collinear one of pbrt's among them: nothing to hit", degenerate},
     HardCase{"slivers", "triangles of 2^-20 to 2^-40 of their length", slivers},

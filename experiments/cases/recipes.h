@@ -36,6 +36,7 @@ template <int kOffset>
 // ---- Triangles and polygons: facet_cases.cpp
 [[nodiscard]] Problem ties(int count, std::uint64_t seed);
 [[nodiscard]] Problem coplanar(int count, std::uint64_t seed);
+[[nodiscard]] Problem tilted_plane(int count, std::uint64_t seed);
 [[nodiscard]] Problem coincident_triangles(int count, std::uint64_t seed);
 [[nodiscard]] Problem degenerate(int count, std::uint64_t seed);
 [[nodiscard]] Problem slivers(int count, std::uint64_t seed);

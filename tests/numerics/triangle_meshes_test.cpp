@@ -152,6 +152,61 @@ TEST_P(TriangleMeshes, DepthOfLinesIsAsPromised) {
   EXPECT_LE(worst, 1);
 }
 
+/// Two tetrahedra on one triangle ABD, A the origin: a solid that is hollow along AB, so that the plane of ABC passes through its inside.
+struct HollowSolid {
+  glm::dvec3 b, c, d, e;
+
+  [[nodiscard]] static double side(const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r) { return glm::dot(glm::cross(p, q), r); }
+  /// Whether C and E lie on either side of ABD, and `at` within ABDE.
+  [[nodiscard]] bool holds(const glm::dvec3& at) const {
+    const double volume = side(b, d, e);
+    const auto inside = [&](double part) { return part * volume > 0; };
+    return side(b, d, c) * volume < 0 && inside(side(b, d, at)) && inside(side(at, d, e)) && inside(side(b, at, e)) &&
+           inside(volume - side(b, d, at) - side(at, d, e) - side(b, at, e));
+  }
+  /// With ABC, or without it.
+  [[nodiscard]] Scene scene(bool whole) const {
+    const glm::dvec3 a(0.0);
+    Scene mesh;
+    if (whole) mesh.add_triangle(a, b, c);
+    mesh.add_triangle(b, c, d);
+    mesh.add_triangle(c, a, d);
+    mesh.add_triangle(a, b, e);
+    mesh.add_triangle(b, d, e);
+    mesh.add_triangle(d, a, e);
+    mesh.finish();
+    return mesh;
+  }
+};
+
+/// Why a ray in the plane of a triangle may be reported to meet it (C3): from inside of a solid, along a facet in whole numbers, that facet is at times all
+/// that is seen around the ray. To leave it out would be a hole.
+TEST_P(TriangleMeshes, RaysAlongAFacetOfASolidFindNoHole) {
+  Random random(38);
+  const auto whole = [&](int reach) {
+    const auto number = [&] { return static_cast<double>(random.below(static_cast<std::size_t>(2 * reach + 1))) - reach; };
+    const double x = number(), y = number();
+    return glm::dvec3(x, y, number());
+  };
+  int rays_traced = 0, facet_alone = 0;
+  while (rays_traced < 50'000) {
+    const glm::dvec3 x = whole(6), y = whole(6);
+    const HollowSolid solid{8.0 * x, 8.0 * y, 8.0 * whole(12), 8.0 * whole(12)};
+    const glm::dvec3 org = (1.0 + static_cast<double>(random.below(7))) * x - (1.0 + static_cast<double>(random.below(6))) * y;
+    if (glm::cross(x, y) == glm::dvec3(0.0) || !solid.holds(org)) continue;
+    RayBatch rays;
+    for (int k = 0; k < 50; ++k) {
+      const auto at = static_cast<double>(1 + random.below(62));
+      rays.push_back(make_ray(org, at * x + static_cast<double>(1 + random.below(static_cast<std::size_t>(63 - at))) * y - 8.0 * org));
+    }
+    ASSERT_EQ(misses(trace(solid.scene(true), rays)), 0);
+    facet_alone += static_cast<int>(misses(trace(solid.scene(false), rays)));
+    rays_traced += static_cast<int>(rays.size());
+  }
+  RecordProperty("facet_alone", facet_alone);
+  EXPECT_GT(facet_alone, 0);
+}
+
 TEST_P(TriangleMeshes, ClosedMeshFarFromTheOriginHasNoHoles) {
   const glm::dvec3 center(148376, 1234, -223423);
   const Scene mesh = test::icosphere(3, 2, center);
