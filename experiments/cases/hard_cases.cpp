@@ -55,6 +55,7 @@ constexpr std::array kCases{
     HardCase{"closed_mesh_large", "the same, 2^33 in size", closed_mesh<33>, kTriangleUlps},
     HardCase{"closed_mesh_larger", "the same, 2^50 in size", closed_mesh<50>, kTriangleUlps},
     HardCase{"closed_mesh_largest", "the same, 2^59 in size: coordinates up to 2^60 are supported", closed_mesh<59>, kTriangleUlps},
+    HardCase{"closed_mesh_tiniest", "1,280 triangles, 2^-60 in size: at 2^-61 they would be lost", closed_mesh<-60, 3>, kTriangleUlps},
     HardCase{"closed_mesh_far", "1,280 triangles far from the origin, on a lattice of 1/64", closed_mesh_far},
     HardCase{"closed_polygons", "a solid of concave polygons and triangles, at its vertices and edges", closed_polygons},
     HardCase{"scaled_directions", "a closed mesh, directions scaled by 2^-60 to 2^60", scaled_directions, kTriangleUlps},

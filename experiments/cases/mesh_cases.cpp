@@ -63,14 +63,15 @@ void add_rays_at_mesh(Problem& problem, const glm::dvec3& center, double half, i
 
 }  // namespace
 
-template <int kExponent>
+template <int kExponent, int kLevel>
 Problem closed_mesh(int count, std::uint64_t seed) {
   Problem problem;
   const double scale = std::ldexp(1.0, kExponent);
-  problem.scene = moved_sphere(5, scale, {0, 0, 0});
+  problem.scene = moved_sphere(kLevel, scale, {0, 0, 0});
   add_rays_at_mesh(problem, {0, 0, 0}, 0.1 * scale, count, seed, 0, problem.scene.pools().triangles.size());
   return finished(std::move(problem));
 }
+template Problem closed_mesh<-60, 3>(int count, std::uint64_t seed);
 template Problem closed_mesh<-50>(int count, std::uint64_t seed);
 template Problem closed_mesh<-40>(int count, std::uint64_t seed);
 template Problem closed_mesh<0>(int count, std::uint64_t seed);

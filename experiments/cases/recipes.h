@@ -46,8 +46,8 @@ template <int kOffset>
 [[nodiscard]] Problem contacts(int count, std::uint64_t seed);
 [[nodiscard]] Problem shadow_ends(int count, std::uint64_t seed);
 
-// ---- Closed meshes: mesh_cases.cpp. Scaled by 2^kExponent.
-template <int kExponent>
+// ---- Closed meshes: mesh_cases.cpp. Of 20 4^kLevel triangles, scaled by 2^kExponent.
+template <int kExponent, int kLevel = 5>
 [[nodiscard]] Problem closed_mesh(int count, std::uint64_t seed);
 [[nodiscard]] Problem closed_mesh_far(int count, std::uint64_t seed);
 [[nodiscard]] Problem closed_polygons(int count, std::uint64_t seed);
