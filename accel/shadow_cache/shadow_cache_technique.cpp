@@ -9,6 +9,7 @@
 #include "accel/kernel_set.h"
 #include "accel/shadow_cache/blocker_table.h"
 #include "accel/shadow_cache/shadow_cache_kernel.h"
+#include "core/base/ieee_arithmetic.h"
 #include "core/stats/policy.h"
 #include "core/trace/trace.h"
 
@@ -51,6 +52,7 @@ public:
   [[nodiscard]] bool needs_order() const noexcept override { return true; }
   [[nodiscard]] std::unique_ptr<Occlusion> for_tiles() const override { return nullptr; }
   void find(const RayBatch& rays, const ShadowOrigins& origins, Column<std::int32_t>& blocker, int, Counters* counters) override {
+    const IeeeArithmetic ieee;
     blocker.resize(rays.size());
     Column<PrimRef> cached(1);  // a column, since kernels read past its end
     for (std::size_t i = 0; i < rays.size(); ++i) {

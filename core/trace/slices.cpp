@@ -5,6 +5,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "core/base/ieee_arithmetic.h"
 #include "core/base/threads.h"
 
 namespace raymeter {
@@ -24,6 +25,7 @@ RayView slice_of(const RayView& rays, std::int32_t first, std::int32_t count) no
 void for_each_slice(std::size_t ray_count, int threads, const std::function<void(std::size_t, std::size_t, std::size_t)>& work) {
   const std::size_t slices = slice_count(ray_count);
   const auto run = [&](std::size_t begin, std::size_t end) {
+    const IeeeArithmetic ieee;
     for (std::size_t slice = begin; slice < end; ++slice) {
       const std::size_t first = slice * kSliceRays;
       work(slice, first, std::min<std::size_t>(kSliceRays, ray_count - first));

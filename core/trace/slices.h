@@ -16,7 +16,7 @@ inline constexpr std::int32_t kSliceRays = 1024;
 /// Rays [first, first + count).
 [[nodiscard]] RayView slice_of(const RayView& rays, std::int32_t first, std::int32_t count) noexcept;
 
-/// Calls work(slice, first, count) for each slice of `ray_count` rays, on at most `threads` threads (0: all).
+/// Calls work(slice, first, count) for each slice of `ray_count` rays, on at most `threads` threads (0: all), in IeeeArithmetic.
 void for_each_slice(std::size_t ray_count, int threads, const std::function<void(std::size_t slice, std::size_t first, std::size_t count)>& work);
 
 }  // namespace raymeter
