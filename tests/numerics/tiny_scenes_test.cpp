@@ -114,7 +114,8 @@ TEST_P(TinyScenes, TrianglesThatAreLostAreMissedByAll) {
 
 INSTANTIATE_TEST_SUITE_P(Structures, TinyScenes, testing::ValuesIn([] {
                            std::vector<std::string> texts = test::all_traversals();
-                           for (const char* builder : {"sweep_sah", "sbvh", "goldsmith_salmon", "lbvh", "ploc"}) texts.push_back(std::string("bvh:builder=") + builder);
+                           for (const char* builder : {"sweep_sah", "sbvh", "goldsmith_salmon", "lbvh", "ploc"})
+                             texts.push_back(std::string("bvh:builder=") + builder);
                            return texts;
                          }()),
                          [](const testing::TestParamInfo<std::string>& technique) { return test::test_name(technique.param); });
