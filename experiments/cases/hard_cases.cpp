@@ -75,7 +75,7 @@ constexpr std::array kCases{
     HardCase{"ground_sphere_1e5", "1 above a sphere of radius 100,000", ground_sphere<5>, 2e-5 * 0x1p24},
     HardCase{"ground_sphere_1e7", "1 above a sphere of radius 10,000,000", ground_sphere<7>, 2e-5 * 0x1p24},
     HardCase{"tangents", "a sphere met within 64 roundings of its silhouette", tangents, 0},
-    HardCase{"sphere_ends", "from a sphere's centre and surface; radius 0, 1e-20 and 2^57", sphere_ends, 1},
+    HardCase{"sphere_ends", "from a sphere's centre and surface; radius 0, 1e-20 and 2^60", sphere_ends, 1},
     HardCase{"nested_spheres", "64 spheres 2^-20 apart, one after another", nested_spheres, 1},
     HardCase{"cones", "at rims, apexes and along the sides of cones", cones},
 };

@@ -22,7 +22,7 @@ Problem coincident_spheres(int, std::uint64_t) {
 }
 
 Problem concentric(int, std::uint64_t) {
-  constexpr int kShells = 128;
+  constexpr int kShells = 256;
   Problem problem;
   for (int k = kShells; k >= 1; --k) {  // of one half width: the sphere inside the cube
     add_box(problem.scene, glm::dvec3(-k), glm::dvec3(k));
@@ -98,17 +98,18 @@ Problem sphere_ends(int, std::uint64_t) {
   scene.add_sphere({0, 0, 0}, 1);
   scene.add_sphere({8, 0, 0}, 0);  // a point, which rays through it hit
   scene.add_sphere({16, 0, 0}, 1e-20);
-  scene.add_sphere({0x1p59, 0, 0}, 0x1p57);
+  scene.add_sphere({0, 0, 0}, 0x1p60);  // about all others
   for (const double length : {1.0, 2.0, 0.5, 1024.0}) {
     add(problem, ray({0, 0, 0}, {0, 0, length}), 0, 1 / length);
     add(problem, ray({0, 0, 1}, {0, 0, length}), 0, 0);
     add(problem, ray({0, 0, 1}, {0, 0, -length}), 0, 0);
     add(problem, ray({0, 0, 1}, {0, 0, -length}, 0x1p-60f), 0, 2 / length);
     add(problem, ray({8, 0, -4}, {0, 0, length}), 1, 4 / length);
-    add(problem, ray({8, 0x1p-149, -4}, {0, 0, length}), kNothing);
+    add(problem, ray({8, 0x1p-149, -4}, {0, 0, length}), 3, 0x1p60 / length);
     add(problem, ray({16, 0, -4}, {0, 0, length}), 2, 4 / length);
-    add(problem, ray({16, 1e-18, -4}, {0, 0, length}), kNothing);
-    add(problem, ray({0x1p59, 0, -0x1p58}, {0, 0, length}), 3, 0x1p57 / length);
+    add(problem, ray({16, 1e-18, -4}, {0, 0, length}), 3, 0x1p60 / length);
+    add(problem, ray({4, 0x1p61, 0}, {0, -length, 0}), 3, 0x1p60 / length);
+    add(problem, ray({4, 0x1p61, 0}, {0, length, 0}), kNothing);
   }
   return finished(std::move(problem));
 }

@@ -152,6 +152,22 @@ TEST(CellWalk, FromThePlanesIndexMissesNoCellForLongerThanListsReach) {
   }
 }
 
+/// Numerics case 37 at its longest: thousands of steps a ray.
+TEST(CellWalk, OfThousandsOfCellsMissesNoneForLongerThanListsReach) {
+  for (const std::string_view name : kCases) {
+    const Problem problem = hard_case(name).make(700, 6);
+    for (const Isa isa : kIsas) {
+      if (!available(isa)) continue;
+      SCOPED_TRACE(std::string(name) + ' ' + std::string(raymeter::name(isa)));
+      const Built built(problem.scene, grid("recompute", "4096x4x1"), isa);
+      const CellAccuracy found = verify_cells(built.walk(), problem.set.rays, kAll);
+      EXPECT_EQ(found.rays_checked, 700);
+      EXPECT_EQ(found.rays_at_risk, 0);
+      EXPECT_LE(found.longest, longest_missed(built.walk().cells(), problem.set.rays, 3));
+    }
+  }
+}
+
 TEST(CellWalk, DriftsWhereStepsAreAddedUpUnlessTheirLossIsKept) {
   const Problem problem = hard_case("cells_across").make(1000, 5);
   for (const Isa isa : kIsas) {
