@@ -9,6 +9,7 @@
 
 #include "core/base/ieee_arithmetic.h"
 #include "experiments/cases/hard_case.h"
+#include "tests/support/shadows.h"
 #include "tests/support/traces.h"
 
 namespace raymeter {
@@ -51,7 +52,7 @@ TEST(IeeeArithmetic, HoldsWithinItsScopeAlone) {
 /// Several slices of a case's rays, so that workers take part.
 RayBatch slices_of(const Problem& problem) {
   RayBatch rays = problem.set.rays;
-  while (rays.size() < 3 * kSliceRays) rays.append(RayBatch(rays));
+  while (rays.size() < 2 * kSliceRays) rays.append(RayBatch(rays));
   return rays;
 }
 
@@ -88,6 +89,27 @@ INSTANTIATE_TEST_SUITE_P(Structures, FloatEnvironment, testing::ValuesIn([] {
                            return names;
                          }()),
                          [](const testing::TestParamInfo<std::string>& technique) { return technique.param; });
+
+/// The one way to kernels that cuts no slices.
+TEST(FloatEnvironment, OfTheCallerChangesNoShadow) {
+  Problem problem = hard_case("denormal_directions").make(300, 1);
+  problem.scene.lights = {Light{}};
+  test::Shadow shadow;
+  for (std::size_t i = 0; i < problem.set.rays.size(); ++i) {
+    shadow.rays.push_back(problem.set.rays[i]);
+    shadow.origins.push_back(0, 0);
+  }
+  const TechniqueSpec spec = parse_technique("bvh");
+  const auto structure = spec.structure->build(problem.scene, spec.params, 1);
+  const auto intersector = structure->intersector({Isa::scalar, 16, spec.params});
+  Column<std::int32_t> expected, blockers;
+  trace_any(*intersector, shadow.rays, expected, 1);
+  {
+    const Settings settings(kPlain | kFlushToZero | kDenormalsAreZero);
+    (void)test::find(*test::cache_of(problem.scene, "update=serial", {Isa::scalar, 16, 1, {}}, *intersector), shadow, 1, blockers);
+  }
+  for (std::size_t i = 0; i < expected.size(); ++i) ASSERT_EQ(blockers[i] >= 0, expected[i] >= 0) << "ray " << i;
+}
 
 /// Other roundings and traps too, while rays are traced.
 TEST(FloatEnvironment, RoundingAndTrapsOfTheCallerAreHisAlone) {
