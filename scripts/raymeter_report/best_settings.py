@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from .cells import STRUCTURE_ORDER, Cell, finite, rank, rays_of, scenes_of, setting_key, varying_settings
-from .numbers import integer, plain, significant
+from .numbers import axis_number, integer, plain, significant
 from .table import SETTING_TITLES, Column, Field, Table, number_field
 from .tables import per_ray
 
@@ -94,3 +94,44 @@ def best_settings_table(cells: Sequence[Cell]) -> Table:
         "memory include what is made on demand, memory the scene." if rows else ""
     )
     return Table("at-their-best", caption, columns, rows, 2)
+
+
+# What stands in one field of a summary: tests, steps and time trace a ray; time and memory build the structure.
+Part = tuple[Callable[[Cell], float | None], Callable[[float | None], str]]
+SUMMARIES: dict[str, tuple[Part, ...]] = {
+    "tracing": ((MEASURES[0].value, significant), (MEASURES[1].value, significant), (lambda cell: cell.number("median_ns_per_ray"), significant)),
+    "building": ((MEASURES[3].value, significant), (MEASURES[4].value, integer)),
+}
+
+
+def summary_tables(cells: Sequence[Cell]) -> list[Table]:
+    """The figure's values by technique and scene, for each ray kind: `side_by_side_primary_tracing` has tests / steps / nanoseconds a ray,
+    `side_by_side_primary_building` milliseconds / bytes a primitive."""
+    best = best_settings(cells)
+    result = []
+    for rays in dict.fromkeys(kind for kind, _ in best):
+        scenes = {scene: chosen for (kind, scene), chosen in best.items() if kind == rays}
+        for name, parts in SUMMARIES.items():
+            result.append(summary_table(f"side_by_side_{rays.split(' ')[0]}_{name}", scenes, parts))
+    return result
+
+
+def summary_table(name: str, best: dict[str, list[Cell]], parts: Sequence[Part]) -> Table:
+    """A row for each technique and a column for each scene; set off: the fastest."""
+    columns = [Column("technique", number=False)] + [scene_column(scene, chosen[0]) for scene, chosen in best.items()]
+    bold = {id(cell) for chosen in best.values() for cell in winners(chosen, MEASURES[2])}
+    rows = []
+    for technique in sorted({cell.technique[0] for chosen in best.values() for cell in chosen}, key=lambda one: rank(STRUCTURE_ORDER, one)):
+        row = [Field(technique)]
+        for chosen in best.values():
+            cell = next((one for one in chosen if one.technique[0] == technique), None)
+            text = " / ".join(form(value(cell)) or "–" for value, form in parts) if cell else "–"
+            row.append(Field(text, tone="best" if id(cell) in bold else ""))
+        rows.append(row)
+    return Table(name, "", columns, rows)
+
+
+def scene_column(scene: str, cell: Cell) -> Column:
+    """Headed by the scene without its family, and the number of its primitives."""
+    count = cell.number("num_prims")
+    return Column(scene.removeprefix("spd:").removeprefix("gen:"), f"{axis_number(float(f'{count:.3g}'))} primitives" if count else "")

@@ -99,6 +99,38 @@ class Choices(TemporaryFolder):
     def test_side_by_side_needs_a_choice_of_settings(self) -> None:
         self.assertEqual(best_settings.best_settings(self.matrix()), {})
 
+    def test_a_page_gets_tables_and_figures_and_keeps_its_words(self) -> None:
+        variants = {"list": "volume=none", "bvh": "volume=aabb", "grid": "density=2,max_resolution=256", "grid#8": "density=8,max_resolution=1024"}
+        matrix = self.matrix(structures=variants, scenes=["spd:tetra:6", "spd:gears:4"])
+        page = self.folder / "page.md"
+        name = "side_by_side_diffuse_tracing"
+        page.write_text(f"Before.\n\n![Rays](side_by_side_diffuse.svg)\n\n<!-- table {name} -->\nold\n<!-- end -->\n\nAfter.\n", encoding="utf-8")
+        self.assertEqual(run_cli("--page", page, self.folder)[0], 0)
+        code, printed, _ = run_cli("--page", page, self.folder)  # what it wrote it finds again
+        self.assertEqual((code, printed.split()), (0, [str(page), str(self.folder / "side_by_side_diffuse.svg")]))
+        text = page.read_text(encoding="utf-8")
+        lines = text.splitlines()
+        self.assertEqual((lines[0], lines[-1], "old" in text), ("Before.", "After.", False))
+        self.assertIn("| technique | tetra:6 [4.1k primitives] | gears:4 [9.34k primitives] |", lines)
+        grids = [cell for cell in matrix if (cell.technique[0], cell.rays, cell.scene, cell.state) == ("grid", "diffuse", "spd:tetra:6", "ok")]
+        best = min(grids, key=lambda cell: cell.number("median_ns_per_ray") or 0)
+        values = [best.number("prim_tests_per_ray"), best_settings.steps_per_ray(best), best.number("median_ns_per_ray")]
+        shown = " / ".join(numbers.significant(value) for value in values)
+        grid = next(line for line in lines if line.startswith("| grid |")).split(" | ")
+        self.assertEqual(grid[1].strip("*"), shown)
+
+    def test_a_page_that_asks_for_what_was_not_timed_stays_as_it_is(self) -> None:
+        self.matrix()
+        page = self.folder / "page.md"
+        for text, lacking in (
+            ("<!-- table side_by_side_primary_tracing -->\n<!-- end -->\n", "what was timed gives no table side_by_side_primary_tracing"),
+            ("![Peer](speed_vs_peer.svg)\n", "what was timed gives no figure speed_vs_peer"),
+            ("Words.\n", "has neither tables nor figures of a run"),
+        ):
+            page.write_text(text, encoding="utf-8")
+            code, _, message = run_cli("--page", page, self.folder)
+            self.assertEqual((code, message.strip(), page.read_text(encoding="utf-8")), (2, f"{page}: {lacking}", text))
+
     def test_readme_figure(self) -> None:
         self.matrix()
         path = self.folder / "figure.svg"
