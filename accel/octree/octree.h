@@ -11,6 +11,7 @@ inline constexpr int kMostCostPlanes = 64;
 struct OctreeParams {
   int max_depth = 12;
   int leaf_size = 8;
+  double least_cell = 16;
   std::string split = "center";
   int cost_count = 10;
   std::string cost_planes = "between";
@@ -36,6 +37,8 @@ struct OctreeParams {
     return std::array{
         Field{"max_depth", &OctreeParams::max_depth, "levels below the root at most", 0, 20},
         Field{"leaf_size", &OctreeParams::leaf_size, "a cell of so many primitives is not divided", 1, 64},
+        Field{"least_cell", &OctreeParams::least_cell, "axes of cells are divided that are so many times as long as lists reach beyond cells, or longer", 0.5,
+              1e6},
         Field{"split", &OctreeParams::split, "where cells are divided: in the middle, or where each axis expects the least cost", 0, 0, {"center", "cost"}},
         where<OctreeParams>(by_cost, Field{"cost_count", &OctreeParams::cost_count, "planes that are tried on an axis", 1, kMostCostPlanes}),
         where<OctreeParams>(by_cost, Field{"cost_planes",

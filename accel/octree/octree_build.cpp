@@ -84,7 +84,8 @@ private:
     tree_.margin = tree_.exact ? kTouchError * (reach + std::sqrt(3.0) * largest) : kBoxError * reach;
     tree_.reach = static_cast<float>(kReach * largest);
     // Cells are not to be so small that their lists reach far beyond them, nor planes of infinity made.
-    least_ = largest <= double{std::numeric_limits<float>::max()} ? std::max(16 * tree_.margin, 0x1p-100) : std::numeric_limits<double>::infinity();
+    const bool finite = largest <= double{std::numeric_limits<float>::max()};
+    least_ = finite ? std::max(params_.least_cell * tree_.margin, 0x1p-100) : std::numeric_limits<double>::infinity();
     for (glm::length_t a = 0; a < 3 && count > 0; ++a) {
       const auto i = static_cast<std::size_t>(a);
       tree_.box[i] = all.min[a];

@@ -107,6 +107,26 @@ TEST(OctreeBuild, DividesCellsOfMoreThanLeafSizeDownToTheDepth) {
   EXPECT_LE(deep.stats.references, 4096 * 1024);
 }
 
+TEST(OctreeBuild, DividesCellsAsSmallAsAskedForWhereAllDetailIsInOneSpot) {
+  Scene scene;
+  scene.add_triangle({-200, -200, 0}, {200, -200, 0}, {0, 200, 0});
+  for (int i = 0; i < 1000; ++i) scene.add_sphere({i % 10 * 0.02, i / 10 % 10 * 0.02, 0.1 + i / 100 * 0.02}, 0.004);
+  scene.finish();
+  OctreeParams params;
+  params.max_depth = 20;
+  const Octree coarse = build_octree_tree(scene, params, 2);
+  params.least_cell = 2;
+  const Octree fine = build_octree_tree(scene, params, 2);
+  // Three more halvings, from 16 to 2 reaches of lists.
+  EXPECT_EQ(*fine.stats.max_depth, *coarse.stats.max_depth + 3);
+  const auto longest = [](const Octree& tree) {
+    std::int32_t most = 0;
+    for (std::size_t i = 1; i < tree.first.size(); ++i) most = std::max(most, tree.first[i] - tree.first[i - 1]);
+    return most;
+  };
+  EXPECT_LT(longest(fine), longest(coarse) / 4);
+}
+
 TEST(OctreeBuild, KeepsToItsBudgetWhereEverythingCoincides) {
   Scene scene;
   for (int i = 0; i < 100000; ++i) scene.add_triangle({0, 0, 0}, {1, 0, 1}, {0, 1, 1});
