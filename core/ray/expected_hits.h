@@ -16,7 +16,7 @@ struct ExpectedHits {
   Column<std::int32_t> prim;    ///< the nearest primitive, of equally near ones that of the smallest id; or one of the above
   Column<double> t;             ///< exact; NaN where it is not known
   Column<std::int32_t> source;  ///< flat primitive that the ray leaves, which it cannot meet again; -1: none
-  std::int64_t excused = 0;     ///< rays that may be answered otherwise: they pass so near to a silhouette that the declared errors decide
+  Column<bool> excused;         ///< rays that may be answered otherwise: they pass so near to a silhouette that the declared errors decide
 
   void push_back(std::int32_t expected_prim, double exact_t) {
     prim.push_back(expected_prim);

@@ -212,7 +212,7 @@ ExpectedHits met_by(const Scene& scene, const RaySet& set, const std::vector<Pri
     expected.prim = std::move(met.prim);
   }
   for (const std::int32_t pixel : set.pixel) expected.source.push_back(prim_at[static_cast<std::size_t>(pixel)]);
-  expected.excused = static_cast<std::int64_t>(set.rays.size());
+  expected.excused.resize(set.rays.size(), true);
   return expected;
 }
 

@@ -43,10 +43,16 @@ std::int64_t count_judged(std::span<const std::size_t> asked, const ExpectedHits
   return judged;
 }
 
-std::int64_t count_self_hits(const ExpectedHits& expected, const Column<std::int32_t>& prims) {
-  std::int64_t count = 0;
-  for (std::size_t i = 0; i < expected.source.size(); ++i) count += prims[i] >= 0 && prims[i] == expected.source[i] ? 1 : 0;
-  return count;
+bool is_excused(const ExpectedHits& expected, std::size_t ray) noexcept { return !expected.excused.empty() && expected.excused[ray]; }
+
+void count_self_hits(const ExpectedHits& expected, const Column<std::int32_t>& prims, Accuracy& accuracy) {
+  if (expected.source.empty()) return;
+  std::int64_t& count = accuracy.self_hits.emplace(0);
+  for (std::size_t i = 0; i < expected.source.size(); ++i) {
+    if (prims[i] < 0 || prims[i] != expected.source[i]) continue;
+    ++count;
+    accuracy.excused_self_hits += is_excused(expected, i) ? 1 : 0;
+  }
 }
 
 /// `t` null: blockers. check_ray(i) asks the oracle.
@@ -60,10 +66,12 @@ Accuracy verify_rays(const Oracle& oracle, const OracleBudget& budget, const Exp
 
   Accuracy accuracy;
   accuracy.rays_checked = count_judged(indices, expected);
-  accuracy.excused = expected.excused;
-  if (!expected.source.empty()) accuracy.self_hits = count_self_hits(expected, prims);
+  count_self_hits(expected, prims, accuracy);
   std::vector<double> errors;
-  for (const Check& check : checks) {
+  for (std::size_t k = 0; k < checks.size(); ++k) {
+    const Check& check = checks[k];
+    const std::size_t ray = checks.size() == prims.size() ? k : indices[k];
+    accuracy.excused += check.verdict != Verdict::correct && is_excused(expected, ray) ? 1 : 0;
     accuracy.false_miss += check.verdict == Verdict::false_miss;
     accuracy.false_hit += check.verdict == Verdict::false_hit;
     accuracy.wrong_prim += check.verdict == Verdict::wrong_prim;
@@ -87,8 +95,8 @@ Verdict expected_verdict(std::int32_t expected, std::int32_t prim, bool closest)
 }
 
 bool Accuracy::ok(double hit_mismatch_max) const noexcept {
-  const double allowed = std::max(hit_mismatch_max * static_cast<double>(rays_checked), static_cast<double>(excused));
-  return static_cast<double>(mismatches()) <= allowed && self_hits.value_or(0) <= excused;
+  const double allowed = hit_mismatch_max * static_cast<double>(rays_checked);
+  return static_cast<double>(mismatches() - excused) <= allowed && self_hits.value_or(0) <= excused_self_hits;
 }
 
 Accuracy verify_closest(const Oracle& oracle, const RayBatch& rays, const HitBatch& hits, const OracleBudget& budget, const ExpectedHits& expected) {

@@ -16,14 +16,15 @@ struct Accuracy {
   std::int64_t false_miss = 0;
   std::int64_t false_hit = 0;
   std::int64_t wrong_prim = 0;
-  std::int64_t excused = 0;               ///< so many wrong answers are within the declared errors
   std::optional<std::int64_t> self_hits;  ///< hits of the flat primitive that a ray leaves, of all rays; empty where it is not known which those are
+  std::int64_t excused = 0;               ///< of the wrong answers, those of rays whose declared errors allow them (ExpectedHits::excused)
+  std::int64_t excused_self_hits = 0;     ///< likewise
   double t_ulp_p50 = 0;
   double t_ulp_p99 = 0;
   double t_ulp_max = 0;
 
   [[nodiscard]] std::int64_t mismatches() const noexcept { return false_miss + false_hit + wrong_prim; }
-  /// Whether the share of mismatches is at most `hit_mismatch_max`, but for excused ones, and no ray hits what it leaves.
+  /// Whether, but for excused rays, the share of mismatches is at most `hit_mismatch_max` and none hits what it leaves.
   [[nodiscard]] bool ok(double hit_mismatch_max) const noexcept;
 };
 
