@@ -57,7 +57,7 @@ void SceneRun::check_ray_sets(std::span<Live* const> group) {
   const RaySet& rays = *group.front()->rays;
   tell(fmt::format("verifying {} rays on {}", first.rays.name, name(first.isa)));
   const std::unique_ptr<Intersector> reference = reference_for(first, static_cast<double>(rays.rays.size()));
-  const Verification verification(oracle_.get(), rays, *reference, context_.config.verify, first.seed);
+  const Verification verification(oracle_.get(), rays, *reference, context_.config.verify, first.seed, judgements_[&rays]);
   for (Live* live : group) {
     if (context_.stop.requested()) return;
     check_ray_set(*live, verification);

@@ -13,12 +13,12 @@
 #include "experiments/run/pin.h"
 #include "experiments/run/progress.h"
 #include "experiments/run/stop.h"
+#include "experiments/run/verification.h"
 
 namespace raymeter {
 
 class FrameVerification;
 class Oracle;
-class Verification;
 
 /// What all scenes of a run share.
 struct RunContext {
@@ -97,6 +97,7 @@ private:
   std::unique_ptr<Structure> bvh_;                                ///< finds what secondary rays start from
   std::map<std::string, std::unique_ptr<Structure>> structures_;  ///< by build
   std::map<std::string, RaySet> ray_sets_;                        ///< by name
+  std::map<const RaySet*, Judgements> judgements_;
   std::vector<Live> live_;
   Answers answers_;
 };

@@ -15,10 +15,18 @@ AccuracyRecord to_record(const Accuracy& accuracy, bool distances) {
   return record;
 }
 
-Verification::Verification(const Oracle* oracle, const RaySet& rays, Intersector& reference, const VerifyOptions& options, std::uint64_t seed)
+Verification::Verification(const Oracle* oracle, const RaySet& rays, Intersector& reference, const VerifyOptions& options, std::uint64_t seed,
+                           Judgements& judgements)
     : oracle_(oracle), rays_(rays), options_(options), seed_(seed) {
   run_pass({reference}, rays, 0, reference_);
-  if (oracle_ != nullptr) accuracy_ = find_accuracy(rays.rays, reference_, rays.expected);
+  if (oracle_ == nullptr) return;
+  if (reference_.kind != Answers::Kind::closest) {  // the hash of blockers does not say which they are
+    accuracy_ = find_accuracy(rays.rays, reference_, rays.expected);
+    return;
+  }
+  const auto [judged, is_new] = judgements.try_emplace(reference_.hash());
+  if (is_new) judged->second = find_accuracy(rays.rays, reference_, rays.expected);
+  accuracy_ = judged->second;
 }
 
 Accuracy Verification::find_accuracy(const RayBatch& rays, const Answers& answers, const ExpectedHits& expected) const {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -21,13 +23,16 @@ struct Verdicts {
   std::optional<Accuracy> accuracy;  ///< where the oracle is asked
 };
 
+/// What the oracle has said of the nearest hits of a ray set, by their hash: instruction sets that answer alike are judged once.
+using Judgements = std::map<std::uint64_t, Accuracy>;
+
 /// Holds the cells of one ray set and one instruction set against a reference technique, whose answers what is expected of the rays and the exact oracle
 /// have judged. Techniques agree bit for bit, so that a cell that equals the reference is as right as it; one that differs is judged itself. Blockers may
 /// differ: those that do are judged too.
 class Verification {
 public:
-  /// `oracle` may be null: no exact check.
-  Verification(const Oracle* oracle, const RaySet& rays, Intersector& reference, const VerifyOptions& options, std::uint64_t seed);
+  /// `oracle` may be null: no exact check. `judgements` are those of this oracle, ray set, options and seed.
+  Verification(const Oracle* oracle, const RaySet& rays, Intersector& reference, const VerifyOptions& options, std::uint64_t seed, Judgements& judgements);
   [[nodiscard]] Verdicts judge(const Answers& answers) const;
   /// What a peer from outside or a weak setting answers: it is right whatever it says, but what it says is listed, for all rays. Where it is known what a ray
   /// meets, that decides; else misses and hits that the reference, which is true, does not have are false, and of hits on other primitives than its the oracle

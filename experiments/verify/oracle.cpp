@@ -120,11 +120,11 @@ Oracle::Oracle(const Scene& scene) : scene_(scene), bounds_of_(static_cast<std::
 Oracle::Near Oracle::near(const Ray& ray, double t_end) const {
   Near near;
   const Point org = point(ray.org), dir = point(ray.dir);
-  const double dir2 = dot(dir, dir), dir_length = std::sqrt(dir2);
+  const double dir2 = dot(dir, dir), dir_length = std::sqrt(dir2), per_dir2 = 1 / dir2;
   const RaySpace space(ray);
   for (const Bounds& bounds : bounds_) {
     const Point to{bounds.center[0] - org[0], bounds.center[1] - org[1], bounds.center[2] - org[2]};
-    const double t_nearest = dot(to, dir) / dir2;
+    const double t_nearest = dot(to, dir) * per_dir2;
     const Point across = along(to, -t_nearest, dir);
     const double reach = bounds.radius + 0x1p-16 * (std::abs(to[0]) + std::abs(to[1]) + std::abs(to[2]) + bounds.radius);
     if (dot(across, across) > reach * reach) continue;

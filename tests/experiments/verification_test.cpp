@@ -39,7 +39,8 @@ protected:
   }
   [[nodiscard]] Accuracy listed(bool oracle, double max_tests) const {
     const Oracle truth(scene_);
-    const Verdicts verdicts = Verification(oracle ? &truth : nullptr, set_, *reference_, {.max_tests = max_tests}, 1).list_errors(answers_);
+    Judgements judgements;
+    const Verdicts verdicts = Verification(oracle ? &truth : nullptr, set_, *reference_, {.max_tests = max_tests}, 1, judgements).list_errors(answers_);
     EXPECT_EQ(verdicts.mismatches, verdicts.accuracy->mismatches());
     return *verdicts.accuracy;
   }
@@ -85,6 +86,27 @@ TEST_F(ListedErrors, OfAnOracleThatIsAskedOfFewOnlyTheseAreChecked) {
   const Accuracy some = verify_closest(Oracle(scene_), set_.rays, answers_.hits, {2.0 * 10, 1, 1}, set_.expected);
   EXPECT_GE(some.rays_checked, 10);
   EXPECT_LE(some.rays_checked, 11) << "ten of a sample, and the one of which is known what it meets";
+}
+
+TEST_F(ListedErrors, AnExcuseIsOneRaysAlone) {
+  set_.expected.prim.resize(kRays, ExpectedHits::kUnknown);
+  set_.expected.excused.resize(kRays, false);
+  set_.expected.source.resize(kRays, -1);
+  set_.expected.excused[300] = true;
+  const auto accuracy = [&](double max_tests) { return verify_closest(Oracle(scene_), set_.rays, answers_.hits, {max_tests, 1, 1}, set_.expected); };
+  set(300, -1, kInf);
+  EXPECT_EQ(accuracy(1e9).false_miss, 1);
+  EXPECT_TRUE(accuracy(1e9).ok(0));
+  set(300, 0, 1);
+  set(301, -1, kInf);
+  EXPECT_EQ(accuracy(1e9).false_miss, 1);
+  EXPECT_FALSE(accuracy(1e9).ok(0)) << "the excused ray is right, but it is no excuse for another";
+  EXPECT_TRUE(accuracy(1e9).ok(0.001));
+  set(301, 0, 1);
+  set_.expected.source[300] = 0;
+  EXPECT_TRUE(accuracy(1e9).ok(0)) << "it meets what it leaves";
+  set_.expected.source[301] = 0;
+  EXPECT_FALSE(accuracy(1e9).ok(0));
 }
 
 }  // namespace
