@@ -41,6 +41,26 @@ void for_each_axis_ray(Each&& each) {
   }
 }
 
+/// Perpendicular unit vectors: two of the world's turned by 45 degrees about the third, so that their faces are among those of k-DOPs.
+std::array<glm::dvec3, 3> turned_by_45_degrees(std::size_t about) {
+  const double half = std::sqrt(0.5);
+  std::array<glm::dvec3, 3> axes{glm::dvec3(0.0), glm::dvec3(0.0), glm::dvec3(0.0)};
+  const std::size_t x = (about + 1) % 3, y = (about + 2) % 3;
+  const auto set = [&](std::size_t axis, std::size_t a, double value) { axes[axis][static_cast<glm::length_t>(a)] = value; };
+  set(about, about, 1);
+  set(x, x, half);
+  set(x, y, half);
+  set(y, x, -half);
+  set(y, y, half);
+  return axes;
+}
+
+/// Any perpendicular unit vectors.
+std::array<glm::dvec3, 3> turned(Random& random) {
+  const glm::dvec3 x = random.direction(), y = glm::normalize(glm::cross(x, random.direction()));
+  return {x, y, glm::cross(x, y)};
+}
+
 }  // namespace
 
 Problem axis_rays(int, std::uint64_t) {
@@ -253,33 +273,35 @@ Problem invalid_rays(int count, std::uint64_t seed) {
   return finished(std::move(problem));
 }
 
-template <int kOffset>
+template <int kOffset, bool kTurned>
 Problem box_edges(int count, std::uint64_t seed) {
   Problem problem;
   const glm::dvec3 middle = double{kOffset} * glm::dvec3(1, 1.3, 1.6);
   Random random(10);
-  std::vector<std::array<glm::dvec3, 2>> boxes;
-  for (int k = 0; k < 100; ++k) {
-    const glm::dvec3 low = glm::dvec3(glm::vec3(middle + random.in_cube(20))), extent = (random.in_cube(0.5) + 0.55) * std::exp2(random.uniform(-3, 2));
-    boxes.push_back({low, glm::dvec3(glm::vec3(low + extent))});
-    add_box(problem.scene, boxes.back()[0], boxes.back()[1]);
+  std::vector<Corners> boxes;
+  for (int k = 0; k < 40; ++k) {  // so few that `list` and the oracle can be asked of ten million rays
+    const glm::dvec3 low = glm::dvec3(glm::vec3(middle + random.in_cube(15))), extent = (random.in_cube(0.5) + 0.55) * std::exp2(random.uniform(-3, 2));
+    std::array<glm::dvec3, 3> axes{glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)};
+    if (kTurned) axes = k % 2 == 0 ? turned_by_45_degrees(random.below(3)) : turned(random);
+    for (std::size_t a = 0; a < 3; ++a) axes[a] *= extent[static_cast<glm::length_t>(a)];
+    for (glm::dvec3& corner : boxes.emplace_back(corners_at(low, axes))) corner = glm::dvec3(glm::vec3(corner));
+    add_box(problem.scene, boxes.back());
   }
   Random aims(seed);
   for (int k = 0; k < count; ++k) {
-    const auto& [low, high] = boxes[aims.below(boxes.size())];
-    const std::size_t edge = aims.below(12);
-    const auto along = static_cast<glm::length_t>(edge / 4);
-    glm::dvec3 at(0.0);
-    at[along] = low[along] + aims.uniform() * (high[along] - low[along]);
-    at[(along + 1) % 3] = (edge & 1 ? high : low)[(along + 1) % 3];
-    at[(along + 2) % 3] = (edge & 2 ? high : low)[(along + 2) % 3];
+    const Corners& corners = boxes[aims.below(boxes.size())];
+    const std::size_t edge = aims.below(12), along = edge / 4;
+    const std::size_t from = (edge & 1) << (along + 1) % 3 | (edge >> 1 & 1) << (along + 2) % 3;
+    const glm::dvec3 at = corners[from] + aims.uniform() * (corners[from | std::size_t{1} << along] - corners[from]);
     const glm::dvec3 org(glm::vec3(at + aims.uniform(1, 60) * aims.direction()));
     problem.set.rays.push_back(ray(org, glm::normalize(at - org)));
   }
   return finished(std::move(problem));
 }
 
-template Problem box_edges<0>(int count, std::uint64_t seed);
-template Problem box_edges<100000>(int count, std::uint64_t seed);
+template Problem box_edges<0, false>(int count, std::uint64_t seed);
+template Problem box_edges<100000, false>(int count, std::uint64_t seed);
+template Problem box_edges<0, true>(int count, std::uint64_t seed);
+template Problem box_edges<100000, true>(int count, std::uint64_t seed);
 
 }  // namespace raymeter::cases

@@ -33,6 +33,8 @@ constexpr std::array kCases{
     HardCase{"invalid_rays", "rays with NaN, infinity, no direction or an empty interval between valid ones", invalid_rays},
     HardCase{"box_edges", "boxes, rays aimed at their edges", box_edges<0>},
     HardCase{"box_edges_far", "the same 100,000 away from the origin", box_edges<100000>},
+    HardCase{"turned_box_edges", "boxes turned by 45 degrees or any way, rays aimed at their edges", box_edges<0, true>},
+    HardCase{"turned_box_edges_far", "the same 100,000 away from the origin", box_edges<100000, true>},
     HardCase{"cells_across", "small triangles in a flat box, rays from anywhere in it to anywhere: long ways through cells", cells_across},
     HardCase{"cell_corners", "the same, along the diagonal of x and y, 2^-28 to 2^-18 beside corners of cells", cell_corners},
     HardCase{"cell_rows", "the same, 2^-14 to 2^-6 off an axis", cell_rows},

@@ -37,16 +37,28 @@ void add_rectangle(Scene& scene, const glm::dvec3& at, const glm::dvec3& x, cons
   scene.add_triangle(at, at + x + y, at + y);
 }
 
+Corners corners_at(const glm::dvec3& low, const std::array<glm::dvec3, 3>& axes) {
+  Corners corners;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    corners[k] = low;
+    for (std::size_t a = 0; a < 3; ++a) corners[k] += k >> a & 1 ? axes[a] : glm::dvec3(0.0);
+  }
+  return corners;
+}
+
+void add_box(Scene& scene, const Corners& corners) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t x = std::size_t{1} << (axis + 1) % 3, y = std::size_t{1} << (axis + 2) % 3;
+    for (const std::size_t at : {std::size_t{0}, std::size_t{1} << axis}) {
+      scene.add_triangle(corners[at], corners[at | x], corners[at | x | y]);
+      scene.add_triangle(corners[at], corners[at | x | y], corners[at | y]);
+    }
+  }
+}
+
 void add_box(Scene& scene, const glm::dvec3& low, const glm::dvec3& high) {
   const glm::dvec3 extent = high - low;
-  for (glm::length_t axis = 0; axis < 3; ++axis) {
-    glm::dvec3 x(0.0), y(0.0), across(0.0);
-    x[(axis + 1) % 3] = extent[(axis + 1) % 3];
-    y[(axis + 2) % 3] = extent[(axis + 2) % 3];
-    across[axis] = extent[axis];
-    add_rectangle(scene, low, x, y);
-    add_rectangle(scene, low + across, x, y);
-  }
+  add_box(scene, corners_at(low, {glm::dvec3(extent.x, 0, 0), glm::dvec3(0, extent.y, 0), glm::dvec3(0, 0, extent.z)}));
 }
 
 }  // namespace raymeter::cases

@@ -25,7 +25,7 @@ namespace raymeter::cases {
 [[nodiscard]] Problem far_behind(int count, std::uint64_t seed);
 [[nodiscard]] Problem denormal_directions(int count, std::uint64_t seed);
 [[nodiscard]] Problem invalid_rays(int count, std::uint64_t seed);
-template <int kOffset>
+template <int kOffset, bool kTurned = false>
 [[nodiscard]] Problem box_edges(int count, std::uint64_t seed);
 
 // ---- Long ways through cells: cell_cases.cpp
@@ -83,5 +83,11 @@ void add(Problem& problem, const Ray& ray, std::int32_t prim, double t = kUnknow
 void add_rectangle(Scene& scene, const glm::dvec3& at, const glm::dvec3& x, const glm::dvec3& y);
 /// Adds an axis-parallel box of 12 triangles: faces in the order -x, +x, -y, +y, -z, +z, two triangles each.
 void add_box(Scene& scene, const glm::dvec3& low, const glm::dvec3& high);
+/// The corners of a box; bit a of the number is set where the corner is high along the box's axis a.
+using Corners = std::array<glm::dvec3, 8>;
+/// `low` and, of each axis, `low` and the axis.
+[[nodiscard]] Corners corners_at(const glm::dvec3& low, const std::array<glm::dvec3, 3>& axes);
+/// The same triangles for any axes.
+void add_box(Scene& scene, const Corners& corners);
 
 }  // namespace raymeter::cases
