@@ -15,47 +15,27 @@
 #include "core/bounds/kdop_volume.h"
 #include "core/bounds/obb_volume.h"
 #include "core/bounds/sphere_volume.h"
-#include "core/simd/isa.h"
 #include "core/trace/trace.h"
 #include "experiments/cases/recipes.h"
-#include "experiments/micro/micro_kernel.h"
 #include "tests/support/random.h"
-#include "tests/support/slab_truth.h"
 #include "tests/support/test_rays.h"
+#include "tests/support/volume_targets.h"
 
 namespace raymeter {
 namespace {
 
 using glm::dvec3;
+using test::Count;
+using test::Kernels;
+using test::kKernels;
 using test::Random;
+using test::set;
 using test::Slab;
+using test::Target;
+using test::VolumeKernel;
 
 constexpr std::int64_t kRays = 1'000'000;  // that truly meet their volumes, in each place
 constexpr int kRaysPerVolume = 200;
-
-using VolumeKernel = MicroSums (*)(const MicroTargets&, const RayView&) noexcept;
-struct Kernels {
-  Isa isa;
-  VolumeKernel boxes, oriented, slabs, spheres;
-};
-template <Isa I>
-constexpr Kernels kernels_of() {
-  return {I, MicroKernel<I>::bounding_boxes, MicroKernel<I>::oriented_boxes, MicroKernel<I>::bounding_slabs, MicroKernel<I>::bounding_spheres};
-}
-constexpr std::array kKernels{kernels_of<Isa::scalar>(), kernels_of<Isa::sse42>(), kernels_of<Isa::avx2>(), kernels_of<Isa::avx512>()};
-
-void set(float (&out)[3], const dvec3& p) {
-  for (int a = 0; a < 3; ++a) out[a] = static_cast<float>(p[a]);
-}
-
-/// A volume as it is stored, and as pairs of planes.
-struct Target {
-  std::vector<float> data;
-  std::vector<Slab> slabs;
-  KdopLayout::Shared shared{};
-  double size = 1;
-  dvec3 middle{0.0};
-};
 
 Target box(const dvec3& place, Random& random) {
   const double size = std::exp2(random.uniform(-6, 6));
@@ -143,28 +123,6 @@ Ray aimed(const dvec3& at, double size, Random& random) {
   return test::make_ray(org, dir);
 }
 
-/// Rays of all volumes that truly meet theirs, and those that each instruction set loses.
-struct Count {
-  std::int64_t rays = 0;
-  std::array<double, kKernels.size()> met{};
-};
-
-void trace(const Target& target, const RayBatch& rays, VolumeKernel Kernels::*kernel, Count& count) {
-  count.rays += static_cast<std::int64_t>(rays.size());
-  const MicroTargets targets{{}, target.data.data(), static_cast<std::int32_t>(target.data.size()), target.shared, 1};
-  for (std::size_t k = 0; k < kKernels.size(); ++k) {
-    if (available(kKernels[k].isa) && rays.size() > 0) count.met[k] += double{(kKernels[k].*kernel)(targets, rays.view()).hits};
-  }
-}
-
-void expect_all_met(const Count& count) {
-  EXPECT_GE(count.rays, kRays);
-  for (std::size_t k = 0; k < kKernels.size(); ++k) {
-    if (!available(kKernels[k].isa)) continue;
-    EXPECT_EQ(count.met[k], static_cast<double>(count.rays)) << name(kKernels[k].isa);
-  }
-}
-
 const std::array kPlaces{dvec3(0.0), 1e5 * dvec3(1, 1.3, 1.6)};
 
 template <class Make>
@@ -182,7 +140,7 @@ void expect_no_false_misses(Make make, VolumeKernel Kernels::*kernel) {
       }
       trace(target, rays, kernel, count);
     }
-    expect_all_met(count);
+    test::expect_all_met(count, kRays);
   }
 }
 
@@ -210,7 +168,7 @@ TEST(VolumeKernels, SpheresMissNoRay) {
       }
       trace(target, rays, &Kernels::spheres, count);
     }
-    expect_all_met(count);
+    test::expect_all_met(count, kRays);
   }
 }
 
