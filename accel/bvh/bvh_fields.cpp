@@ -18,6 +18,8 @@ bool by_clustering(const BvhParams& p) { return p.builder == "ploc"; }
 bool by_wide_nodes(const BvhParams& p) { return p.is_wide(); }
 bool in_packets_through_boxes(const BvhParams& p) { return p.traversal == "packet" && p.volume == "aabb"; }
 
+bool takes_epsilon(const BvhParams& p) { return p.triangle_test == "pluecker" || (p.triangle_test == "moeller_trumbore" && p.precision == "float"); }
+
 std::vector<Field> insertion_fields() {
   return {
       where(by_insertion, Field{"insertion_order",
@@ -75,6 +77,14 @@ std::vector<Field> weak_test_fields() {
                                             {{"woop_kahan", "woop", "moeller_trumbore", "pluecker"}}}),
       where([](const BvhParams& p) { return in_packets_through_boxes(p) && p.triangle_test == "moeller_trumbore"; },
             Field{"precision", &BvhParams::precision, "moeller_trumbore: of its arithmetic", 0, 0, {"float", "double"}, ParamUse::query}),
+      where([](const BvhParams& p) { return in_packets_through_boxes(p) && takes_epsilon(p); },
+            Field{"triangle_epsilon",
+                  &BvhParams::triangle_epsilon,
+                  "moeller_trumbore in float, pluecker: how far outside a triangle is still inside, in 2^-23 of the sum of its weights",
+                  0,
+                  65536,
+                  {},
+                  ParamUse::query}),
       where(in_packets_through_boxes, Field{"sphere_test",
                                             &BvhParams::sphere_test,
                                             "robust is accurate near, far and huge; the others show what that costs",

@@ -38,6 +38,7 @@ struct TestParams {
   std::string box_bounds = "padded";
   std::string reciprocal = "divide";
   std::string triangle_test = "woop_kahan";
+  int triangle_epsilon = 0;
   std::string sphere_test = "robust";
   friend bool operator==(const TestParams&, const TestParams&) = default;
 };

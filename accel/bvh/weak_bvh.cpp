@@ -11,10 +11,11 @@ namespace {
 
 TriangleTest triangle_test(const BvhParams& params) {
   if (params.triangle_test == "woop") return TriangleTest::woop;
-  if (params.triangle_test == "pluecker") return TriangleTest::pluecker;
+  if (params.triangle_test == "pluecker") return params.triangle_epsilon > 0 ? TriangleTest::pluecker_epsilon : TriangleTest::pluecker;
   if (params.triangle_test == "baldwin_weber") return TriangleTest::baldwin_weber;
   if (params.triangle_test != "moeller_trumbore") return TriangleTest::woop_kahan;
-  return params.precision == "double" ? TriangleTest::moeller_trumbore_double : TriangleTest::moeller_trumbore;
+  if (params.precision == "double") return TriangleTest::moeller_trumbore_double;
+  return params.triangle_epsilon > 0 ? TriangleTest::moeller_trumbore_epsilon : TriangleTest::moeller_trumbore;
 }
 
 SphereTest sphere_test(const BvhParams& params) {
@@ -34,14 +35,14 @@ std::unique_ptr<Intersector> with_box_test(const BvhView<AabbLayout>& bvh, const
                                            const QueryOptions& options, std::size_t scratch_bytes) {
   using Layout = WeakBoxLayout<B>;
   static_assert(Layout::kFloats == AabbLayout::kFloats);
-  const BvhView<Layout> view{
-      {bvh.links,
-       bvh.runs,
-       bvh.pools,
-       {bvh.shared, triangle_test(params), sphere_test(params), reciprocal(params), 1 - padding(params), 1 + padding(params), unit_triangles},
-       bvh.runtime_link_bytes},
-      bvh.stack_capacity,
-      bvh.heap_capacity};
+  const BvhView<Layout> view{{bvh.links,
+                              bvh.runs,
+                              bvh.pools,
+                              {bvh.shared, triangle_test(params), 0x1p-23f * static_cast<float>(params.triangle_epsilon), sphere_test(params),
+                               reciprocal(params), 1 - padding(params), 1 + padding(params), unit_triangles},
+                              bvh.runtime_link_bytes},
+                             bvh.stack_capacity,
+                             bvh.heap_capacity};
   const auto& kernels = kernels_for<BvhPacket<Layout>::template Kernel, BvhView<Layout>>(options.isa);
   return std::make_unique<KernelIntersector<BvhView<Layout>>>(view, kernels, options.packet, scratch_bytes);
 }

@@ -22,18 +22,23 @@ template <Query Q, class Shared, class L, int kGroups, class Stats>
   const auto triangles = [&](auto test) noexcept {
     test_all(pools.triangles.prim, [&](const RayPacket<L>& ray, std::int32_t i) noexcept { return test(ray, pools.triangles, i); });
   };
+  const auto loose = [&](auto test) noexcept {
+    triangles([&](const RayPacket<L>& ray, const TriangleView& pool, std::int32_t i) noexcept { return test(ray, pool, i, shared.triangle_epsilon); });
+  };
   const auto spheres = [&](auto test) noexcept {
     test_all(pools.spheres.prim, [&](const RayPacket<L>& ray, std::int32_t i) noexcept { return test(ray, pools.spheres, i); });
   };
   if (run.kind() == PrimKind::triangle && triangle != TriangleTest::woop_kahan) {
     switch (triangle) {
       case TriangleTest::woop: return triangles(woop_triangle<L>);
-      case TriangleTest::moeller_trumbore: return triangles(moeller_trumbore_triangle<L>);
+      case TriangleTest::moeller_trumbore: return loose(moeller_trumbore_triangle<false, L>);
+      case TriangleTest::moeller_trumbore_epsilon: return loose(moeller_trumbore_triangle<true, L>);
       case TriangleTest::moeller_trumbore_double: return triangles(moeller_trumbore_double_triangle<L>);
       case TriangleTest::baldwin_weber:
         return test_all(pools.triangles.prim,
                         [&](const RayPacket<L>& ray, std::int32_t i) noexcept { return baldwin_weber_triangle<L>(ray, shared.unit_triangles, i); });
-      default: return triangles(pluecker_triangle<L>);
+      case TriangleTest::pluecker_epsilon: return loose(pluecker_triangle<true, L>);
+      default: return loose(pluecker_triangle<false, L>);
     }
   }
   if (run.kind() == PrimKind::sphere && sphere == SphereTest::naive) return spheres(weak_sphere<false, L>);

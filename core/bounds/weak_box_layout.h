@@ -20,6 +20,7 @@ struct WeakBoxLayout {
   struct Shared {
     AabbLayout::Shared boxes;
     TriangleTest triangle;
+    float triangle_epsilon;  ///< of the sum of a triangle's weights
     SphereTest sphere;
     Reciprocal reciprocal;
     float shrink, grow;  ///< grown, quotient: factors of the ends of slab intervals, 1 -+ the padding

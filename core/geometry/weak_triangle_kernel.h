@@ -4,7 +4,8 @@
 //   woop              Woop, Benthin, Wald 2013 with plain differences of rounded products. Rounding is monotone, so that the sign of such a difference is right
 //                     or 0: no edge leaks. What is lost is the size of the weights of slivers, and with it t.
 //   moeller_trumbore  Moeller, Trumbore 1997 (JGT 2(1)), without a culling epsilon; in float, or lane by lane in double.
-//   pluecker          Pluecker edge tests relative to the origin (Davidovic et al. 2012; Embree's robust test without its epsilon).
+//   pluecker          Pluecker edge tests relative to the origin (Davidovic et al. 2012; with an epsilon of 2^-23 Embree's robust test).
+// The latter two may take an epsilon: weights are inside down to minus so much of their sum. It closes edges from outside, and lets rays beside them hit.
 //   baldwin_weber     Baldwin, Weber 2016 (JCGT 5(3)): the ray in the space of the unit triangle, by maps made at build time.
 
 #include "core/geometry/triangle_kernel.h"
@@ -39,10 +40,10 @@ template <class L>
   return {Float(pool.vertex[k][0][i]), Float(pool.vertex[k][1][i]), Float(pool.vertex[k][2][i])};
 }
 
+/// Whether all have one sign, those within `room` of 0 either.
 template <class L>
-[[gnu::always_inline]] inline typename L::Mask one_sign(typename L::Float a, typename L::Float b, typename L::Float c) noexcept {
-  const typename L::Float zero(0.0f);
-  return (L::min(L::min(a, b), c) >= zero) | (L::max(L::max(a, b), c) <= zero);
+[[gnu::always_inline]] inline typename L::Mask one_sign(typename L::Float a, typename L::Float b, typename L::Float c, typename L::Float room) noexcept {
+  return (L::min(L::min(a, b), c) >= -room) | (L::max(L::max(a, b), c) <= room);
 }
 
 template <class L>
@@ -55,7 +56,7 @@ template <class L>
   const Float weight_b = a.x * c.y - a.y * c.x;
   const Float weight_c = b.x * a.y - b.y * a.x;
   const Float det = weight_a + weight_b + weight_c;
-  SurfaceHit<L> hit{one_sign<L>(weight_a, weight_b, weight_c) & (det != zero), zero, zero, zero};
+  SurfaceHit<L> hit{one_sign<L>(weight_a, weight_b, weight_c, zero) & (det != zero), zero, zero, zero};
   if (L::none(hit.meets)) return hit;
   const Float inv_det = Float(1.0f) / det;
   hit.u = weight_b * inv_det;
@@ -64,8 +65,9 @@ template <class L>
   return hit;
 }
 
-template <class L>
-[[gnu::always_inline]] inline SurfaceHit<L> moeller_trumbore_triangle(const RayPacket<L>& ray, const TriangleView& pool, std::int32_t triangle) noexcept {
+template <bool kEpsilon, class L>
+[[gnu::always_inline]] inline SurfaceHit<L> moeller_trumbore_triangle(const RayPacket<L>& ray, const TriangleView& pool, std::int32_t triangle,
+                                                                      float epsilon) noexcept {
   using Float = typename L::Float;
   const Float zero(0.0f), one(1.0f);
   const std::int32_t i = triangle * pool.stride;
@@ -77,7 +79,8 @@ template <class L>
   const Vector<L> from_a = minus<L>(triple<L>(ray.org), a);
   const Vector<L> q = cross<L>(from_a, to_b);
   SurfaceHit<L> hit{det != zero, zero, dot<L>(from_a, p) * inv_det, dot<L>(dir, q) * inv_det};
-  hit.meets = hit.meets & (hit.u >= zero) & (hit.v >= zero) & (hit.u + hit.v <= one);
+  const Float least = kEpsilon ? Float(-epsilon) : zero, most = kEpsilon ? Float(1 + epsilon) : one;
+  hit.meets = hit.meets & (hit.u >= least) & (hit.v >= least) & (hit.u + hit.v <= most);
   hit.t = dot<L>(to_c, q) * inv_det;
   return hit;
 }
@@ -113,8 +116,9 @@ inline SurfaceHit<L> moeller_trumbore_double_triangle(const RayPacket<L>& ray, c
   return {found == found, found, L::load(u), L::load(v)};
 }
 
-template <class L>
-[[gnu::always_inline]] inline SurfaceHit<L> pluecker_triangle(const RayPacket<L>& ray, const TriangleView& pool, std::int32_t triangle) noexcept {
+template <bool kEpsilon, class L>
+[[gnu::always_inline]] inline SurfaceHit<L> pluecker_triangle(const RayPacket<L>& ray, const TriangleView& pool, std::int32_t triangle,
+                                                              float epsilon) noexcept {
   using Float = typename L::Float;
   const Float zero(0.0f);
   const std::int32_t i = triangle * pool.stride;
@@ -124,7 +128,8 @@ template <class L>
     return dot<L>(cross<L>(minus<L>(to, from), Vector<L>{to.x + from.x, to.y + from.y, to.z + from.z}), dir);
   };
   const Float weight_a = weight(b, c), weight_b = weight(c, a), weight_c = weight(a, b);
-  SurfaceHit<L> hit{one_sign<L>(weight_a, weight_b, weight_c), zero, zero, zero};
+  const Float room = kEpsilon ? Float(epsilon) * L::abs(weight_a + weight_b + weight_c) : zero;
+  SurfaceHit<L> hit{one_sign<L>(weight_a, weight_b, weight_c, room), zero, zero, zero};
   if (L::none(hit.meets)) return hit;
   const Vector<L> normal = cross<L>(minus<L>(b, a), minus<L>(c, a));
   const Float slope = dot<L>(normal, dir);

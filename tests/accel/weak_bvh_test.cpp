@@ -19,9 +19,10 @@ bool answers_for_itself(std::string_view technique) {
 
 TEST(WeakTests, AnswerForThemselvesAndNothingElseDoes) {
   for (const StructureEntry& entry : structures()) EXPECT_FALSE(raymeter::answers_for_itself(entry, entry.resolve({}))) << entry.name;
-  for (const char* weak : {"bvh:box_test=unpadded", "bvh:box_test=fma", "bvh:triangle_test=woop", "bvh:triangle_test=moeller_trumbore,precision=double",
-                           "bvh:triangle_test=pluecker", "bvh:triangle_test=baldwin_weber", "bvh:sphere_test=naive", "bvh:sphere_test=haines",
-                           "bvh:reciprocal=estimate", "bvh:reciprocal=none", "bvh:box_test=unpadded,box_padding=3", "bvh:box_bounds=tight"}) {
+  for (const char* weak :
+       {"bvh:box_test=unpadded", "bvh:box_test=fma", "bvh:triangle_test=woop", "bvh:triangle_test=moeller_trumbore,precision=double",
+        "bvh:triangle_test=pluecker", "bvh:triangle_test=pluecker,triangle_epsilon=1", "bvh:triangle_test=baldwin_weber", "bvh:sphere_test=naive",
+        "bvh:sphere_test=haines", "bvh:reciprocal=estimate", "bvh:reciprocal=none", "bvh:box_test=unpadded,box_padding=3", "bvh:box_bounds=tight"}) {
     EXPECT_TRUE(answers_for_itself(weak)) << weak;
   }
   for (const char* robust : {"bvh:box_test=padded", "bvh:traversal=heap", "bvh:volume=kdop", "bvh:traversal=beam"})
@@ -62,6 +63,29 @@ TEST(WeakTests, AgreeWhereNothingIsClose) {
           EXPECT_NEAR(weak.hits.t[i], robust.hits.t[i], 1e-5f) << technique << " " << name(isa) << " " << i;
         }
       }
+    }
+  }
+}
+
+/// Rays beside an edge by two and by eight units in the last place of the weights' sum.
+TEST(WeakTests, AnEpsilonWidensTriangles) {
+  Scene scene;
+  scene.add_triangle({0, 0, 4}, {1, 0, 4}, {0, 1, 4});
+  scene.finish();
+  RayBatch rays;
+  for (const float x : {-0x1p-22f, -0x1p-20f}) rays.push_back({{x, 0.25f, 0}, 0, {0, 0, 1}, std::numeric_limits<float>::infinity()});
+  for (const Isa isa : kIsas) {
+    if (!available(isa)) continue;
+    for (const char* test : {"moeller_trumbore", "pluecker"}) {
+      const auto hits_with = [&](int epsilon) {
+        const std::string technique = "bvh:triangle_test=" + std::string(test) + ",triangle_epsilon=" + std::to_string(epsilon);
+        const auto hits = answer(scene, rays, technique, isa, 16).hits;
+        return std::pair(hits.prim[0] == 0, hits.prim[1] == 0);
+      };
+      EXPECT_EQ(hits_with(0), std::pair(false, false)) << test << ' ' << name(isa);
+      EXPECT_EQ(hits_with(1), std::pair(false, false)) << test << ' ' << name(isa);
+      EXPECT_EQ(hits_with(4), std::pair(true, false)) << test << ' ' << name(isa);
+      EXPECT_EQ(hits_with(16), std::pair(true, true)) << test << ' ' << name(isa);
     }
   }
 }
