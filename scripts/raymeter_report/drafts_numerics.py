@@ -33,7 +33,7 @@ def reference_draft(runs: Sequence[Run], cells: Sequence[Cell]) -> Draft | None:
     of = next(run.reference["rays"] for run in runs if run.name == found[0].run)
     kinds = " and ".join(dict.fromkeys(cell.rays for cell in found))
     caption = (
-        f"What {kinds} rays cost: their time relative to that of {of} rays, by the same technique in the same run. At 1 both take as long; at the limit of 1.5 half as long again. "
+        f"What {kinds} rays cost: their time relative to that of {of} rays, by the same technique in the same run. At 1 both take as long; the dashed line is the limit, half as long again. "
         "Bars are 95 % confidence intervals of the median ratio."
     )
     return Draft("time_against_other_rays", f"Time of {kinds} rays against {of} rays", caption, reference_figure(found))

@@ -27,13 +27,15 @@ class Dot:
 
 @dataclass(frozen=True)
 class Panel:
-    """A panel of dots; `absent` are the techniques and scenes without a value because the cell failed, `line` a value that they are to be held against."""
+    """A panel of dots; `absent` are the techniques and scenes without a value because the cell failed, `line` a value that they are to be held against, `limit` one that they are
+    not to go beyond."""
 
     title: str
     axis: str
     dots: Sequence[Dot]
     absent: Sequence[tuple[str, str]] = ()
     line: float | None = None
+    limit: float | None = None
 
 
 def dot_figure(
@@ -47,11 +49,10 @@ def dot_figure(
     height = min(10.0, rows * (len(scenes) * row_height + 0.75) + 0.35)
     figure = new_figure(PAGE_WIDTH, height)
     grid = figure.subplots(rows, columns, sharey=True, squeeze=False)
-    every = [value for panel in panels for dot in panel.dots for value in (dot.value, dot.low, dot.high) if value is not None]
-    for axes, panel in zip(grid.flat, panels):
+    shown = [[value for dot in panel.dots for value in (dot.value, dot.low, dot.high, panel.limit) if value is not None] for panel in panels]
+    for axes, panel, own in zip(grid.flat, panels, shown):
         draw_panel(axes, panel, list(scenes), techniques, looks)
-        own = [value for dot in panel.dots for value in (dot.value, dot.low, dot.high) if value is not None]
-        scale_axis(axes, "x", every if shared_scale else own, max_ticks=5)
+        scale_axis(axes, "x", [value for of_panel in shown for value in of_panel] if shared_scale else own, max_ticks=5)
     for axes in list(grid.flat)[len(panels) :]:
         axes.set_visible(False)
     for axes in grid[:, 0]:
@@ -79,6 +80,8 @@ def draw_panel(axes: Axes, panel: Panel, scenes: list[str], techniques: list[str
     axes.set_axisbelow(True)
     if panel.line is not None:
         axes.axvline(panel.line, color=INK, linewidth=0.8, alpha=0.7)
+    if panel.limit is not None:
+        axes.axvline(panel.limit, color=INK, linewidth=0.8, alpha=0.7, linestyle="--")
     for i in range(0, len(scenes), 2):
         axes.axhspan(i - 0.5, i + 0.5, color=INK, alpha=0.05, linewidth=0)
 

@@ -9,6 +9,7 @@ from .figure_dots import Dot, Panel, dot_figure
 from .records import Run
 from .style import MARKERS, STRUCTURE_COLOURS, Look
 
+LIMIT = 1.5  # what invalid rays may cost
 PACKET_COLOURS = [colour for name, colour in STRUCTURE_COLOURS.items() if name != "list"]
 
 
@@ -34,6 +35,6 @@ def reference_figure(cells: Sequence[Cell]) -> Figure:
                 for cell in cells
                 if (cell.scene, cell.summary["isa"]) == (scene, isa)
             ]
-            panels.append(Panel(f"{scene.rpartition(':')[0] or scene}, {isa}" if len(scenes) > 1 else f"{isa}", "time / time without", dots, line=1.0))
+            panels.append(Panel(f"{scene.rpartition(':')[0] or scene}, {isa}" if len(scenes) > 1 else f"{isa}", "time / time without", dots, line=1.0, limit=LIMIT))
     looks = {names[packet]: Look(PACKET_COLOURS[i], MARKERS[i]) for i, packet in enumerate(packets)}
     return dot_figure(panels, dict.fromkeys(techniques_of(cells)), looks, columns=len(isas))
