@@ -271,7 +271,7 @@ def price_draft(cells: Sequence[Cell]) -> Draft | None:
     if not found:
         return None
     caption = (
-        "The price of right answers: time of the robust tests relative to the fastest of the weak ones on the same rays of the same run. At 1 robustness is free, at "
+        "The price of right answers: time of the robust tests, in packets as the weak ones are or by the traversal named, relative to the fastest of the weak ones on the same rays of the same run. At 1 robustness is free, at "
         "1.1 it costs 10 %. Bars are 95 % confidence intervals of the median ratio; which tests were fastest, and how often they were wrong, stands in the table."
     )
     return Draft("price_of_robustness", "The price of robustness", caption, price_figure(found, scene_sizes([price.robust for price in found])))

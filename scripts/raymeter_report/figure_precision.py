@@ -12,7 +12,7 @@ from .cells import rays_of, scenes_of
 from .figure_dots import Dot, Panel, add_legend, dot_figure
 from .numbers import axis_number, shortened
 from .style import INK, MARKERS, NEUTRAL_INK, PAGE_WIDTH, STRUCTURE_COLOURS, Look, new_figure, shade
-from .work_precision import DEFAULT, Point, Price, front
+from .work_precision import DEFAULT, PACKETS, Point, Price, front
 
 KNOB_COLOURS = [colour for name, colour in STRUCTURE_COLOURS.items() if name != "list"]
 
@@ -127,15 +127,21 @@ def price_figure(found: Sequence[Price], sizes: dict[str, float | None]) -> Figu
     panels = []
     packets = sorted({float(price.robust.summary["packet"]) for price in found})  # type: ignore[arg-type]
     names = {packet: f"packets of {packet:g}" if packet > 1 else "rays one by one" for packet in packets}
+    traversals = sorted({price.traversal for price in found}, key=lambda traversal: (traversal != PACKETS, traversal))
+
+    def name(packet: float, traversal: str) -> str:
+        return names[packet] if traversal == PACKETS else f"traversal={traversal}, {names[packet]}"
+
     kinds = rays_of([price.robust for price in found])
     isas = list(dict.fromkeys(price.robust.summary["isa"] for price in found))
     for isa in isas:
         for kind in kinds:
             dots = [
-                Dot(price.robust.scene, names[float(price.robust.summary["packet"])], price.ratio.value, price.ratio.low, price.ratio.high)  # type: ignore[arg-type]
+                Dot(price.robust.scene, name(float(price.robust.summary["packet"]), price.traversal), price.ratio.value, price.ratio.low, price.ratio.high)  # type: ignore[arg-type]
                 for price in found
                 if (price.robust.rays, price.robust.summary["isa"]) == (kind, isa)
             ]
             panels.append(Panel(f"{kind}, {isa}", "robust / fastest weak time", dots, line=1.0))
-    looks = {names[packet]: Look(KNOB_COLOURS[i], MARKERS[i]) for i, packet in enumerate(packets)}
+    rows = [name(packet, traversal) for traversal in traversals for packet in packets]
+    looks = {label: Look(KNOB_COLOURS[i], MARKERS[i]) for i, label in enumerate(rows)}
     return dot_figure(panels, sizes, looks, columns=len(kinds))

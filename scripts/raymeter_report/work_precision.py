@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, replace
 
 from .cells import Cell, at_setting, finite, main_setting, parse_params, slots_of
@@ -11,6 +11,8 @@ from .records import Value
 from .table import SETTING_TITLES, Column, Field, Table, number_field, setting_field
 
 ROBUST = {"box_test": "padded", "box_bounds": "padded", "reciprocal": "divide", "triangle_test": "woop_kahan", "sphere_test": "robust"}
+OF_WEAK_TESTS = ("box_padding", "precision", "triangle_epsilon")  # parameters that mean something beside a weak test alone
+PACKETS = "packet"  # the traversal that weak tests have
 DEFAULT = "usual setting"
 
 Setting = dict[tuple[str, str], str]  # (what stands in a slot, its parameter) -> value
@@ -68,12 +70,13 @@ def is_number(text: str) -> bool:
         return False
 
 
-def turned(setting: Setting, base: Setting) -> tuple[str, str, str]:
-    """The knob that tells a setting from the usual one, and its value; all of them where several do. Of several the one number, as it is told, is the step
-    along the line that the others are."""
+def turned(setting: Setting, base: Setting, varying: Container[tuple[str, str]]) -> tuple[str, str, str]:
+    """The knob that tells a setting from the usual one, and its value; all of them where several do, but for what has no other value anywhere. Of several the one
+    number, as it is told, is the step along the line that the others are."""
     changed = [(key, value) for key, value in setting.items() if base.get(key) != value]
     if not changed:
         return "", DEFAULT, ""
+    changed = [(key, value) for key, value in changed if key in varying] or changed
     numbers = [pair for pair in changed if is_number(pair[1])]
     if len(changed) > 1 and len(numbers) == 1:
         line = ", ".join(f"{key[1]}={value}" for key, value in changed if not is_number(value))
@@ -91,9 +94,14 @@ def work_precision(cells: Sequence[Cell]) -> dict[tuple[str, str], list[Point]]:
     if not any(error_rate(cell) for cell in timed):
         return {}
     base = usual(timed)
+    values: dict[tuple[str, str], set[str]] = defaultdict(set)
+    for cell in timed:
+        for key, value in setting_of(cell).items():
+            values[key].add(value)
+    varying = {key for key, of_key in values.items() if len(of_key) > 1}
     panels: dict[tuple[str, str], list[Point]] = defaultdict(list)
     for cell in timed:
-        knob, label, step = turned(setting_of(cell), base)
+        knob, label, step = turned(setting_of(cell), base, varying)
         ends = [1e3 / time if time else None for time in (cell.number("ci_hi"), cell.number("ci_lo"))]
         panels[cell.scene, cell.rays].append(Point(cell, knob, label, step, error_rate(cell) or 0.0, cell.number("mrays_per_s") or 0.0, *ends))
     return lines_told_apart(panels)
@@ -134,34 +142,43 @@ def front(points: Sequence[Point]) -> list[Point]:
 
 @dataclass(frozen=True)
 class Price:
-    """The robust tests beside the fastest weak ones on the same rays."""
+    """The robust tests, by whatever traversal, beside the fastest weak ones on the same rays."""
 
     robust: Cell
     weak: Cell
     ratio: Ratio  # time of the robust ones by that of the weak ones, over rounds
 
 
+    @property
+    def traversal(self) -> str:
+        return parse_params(self.robust.technique[1]).get("traversal", PACKETS)
+
+
+def same_but_for_tests(robust: Cell, weak: Cell) -> bool:
+    """Whether all other parameters that mean something to both, but the traversal, are the same."""
+    theirs = setting_of(weak)
+    return all(theirs.get(key, value) == value for key, value in setting_of(robust).items() if key[1] not in (*ROBUST, *OF_WEAK_TESTS, "traversal"))
+
+
 def prices(cells: Sequence[Cell]) -> list[Price]:
     groups: dict[tuple[Value, ...], list[Cell]] = defaultdict(list)
     for cell in cells:
         if cell.state == "ok" and not cell.frame and not cell.is_peer and cell.number("median_ns_per_ray"):
-            build = tuple(sorted((key, value) for key, value in setting_of(cell).items() if key[1] not in ROBUST and key[1] not in ("precision", "box_padding")))
-            groups[(cell.run, cell.scene, cell.rays, *cell.setting, build)].append(cell)  # type: ignore[arg-type]
+            groups[(cell.run, cell.scene, cell.rays, cell.technique[0], *cell.setting)].append(cell)
     found = []
     for group in groups.values():
-        robust, weak = ([cell for cell in group if is_weak(cell) == wanted] for wanted in (False, True))
-        if len(robust) != 1 or not weak:
-            continue
-        fastest = min(weak, key=lambda cell: cell.number("median_ns_per_ray") or 0.0)
-        ratio = ratio_of(fastest, robust[0])
-        if ratio:
-            found.append(Price(robust[0], fastest, ratio))
+        for robust in (cell for cell in group if not is_weak(cell)):
+            weak = [cell for cell in group if is_weak(cell) and same_but_for_tests(robust, cell)]
+            fastest = min(weak, key=lambda cell: cell.number("median_ns_per_ray") or 0.0, default=None)
+            ratio = ratio_of(fastest, robust) if fastest else None
+            if fastest and ratio:
+                found.append(Price(robust, fastest, ratio))
     return found
 
 
 def tests_of(cell: Cell) -> str:
     params = parse_params(cell.technique[1])
-    return ", ".join(f"{key}={params[key]}" for key in (*ROBUST, "box_padding", "precision") if params.get(key, ROBUST.get(key)) != ROBUST.get(key))
+    return ", ".join(f"{key}={params[key]}" for key in (*ROBUST, *OF_WEAK_TESTS) if params.get(key, ROBUST.get(key)) != ROBUST.get(key))
 
 
 def price_table(cells: Sequence[Cell]) -> Table:
@@ -169,7 +186,7 @@ def price_table(cells: Sequence[Cell]) -> Table:
     found = prices(cells)
     columns = [
         Column("scene", number=False), Column("rays", number=False), Column("ISA", number=False), Column(SETTING_TITLES["packet"]),
-        Column("fastest weak tests", number=False), Column("robust", "ns"), Column("weak", "ns"), Column("price", "%"), Column("from", "%"), Column("to", "%"),
+        Column("robust traversal", number=False), Column("fastest weak tests", number=False), Column("robust", "ns"), Column("weak", "ns"), Column("price", "%"), Column("from", "%"), Column("to", "%"),
         Column("wrong answers, weak", "per million"), Column("wrong answers, robust", "per million"),
     ]
     rows = []
@@ -177,12 +194,13 @@ def price_table(cells: Sequence[Cell]) -> Table:
         robust, weak = price.robust, price.weak
         percent = [None if value is None else 100.0 * (value - 1.0) for value in (price.ratio.value, price.ratio.low, price.ratio.high)]
         rows.append([
-            Field(robust.scene), Field(robust.rays), setting_field(robust.summary["isa"]), setting_field(robust.summary["packet"]), Field(tests_of(weak)),
+            Field(robust.scene), Field(robust.rays), setting_field(robust.summary["isa"]), setting_field(robust.summary["packet"]),
+            Field(price.traversal), Field(tests_of(weak)),
             number_field(robust.number("median_ns_per_ray")), number_field(weak.number("median_ns_per_ray")), *map(number_field, percent),
             number_field(error_rate(weak), factor=1e6), number_field(error_rate(robust), factor=1e6),
         ])
     caption = (
-        "What right answers cost: time of the robust tests over that of the fastest weak ones, the median over rounds of one run with its 95 % interval, and how "
+        "What right answers cost: time of the robust tests, by packets or the traversal named, over that of the fastest weak ones, which go in packets, the median over rounds of one run with its 95 % interval, and how "
         "many answers of each were wrong. A negative price: the robust tests were faster than all weak ones."
     )
     return Table("price", caption if rows else "", columns, rows, 2).without_empty()

@@ -55,6 +55,10 @@ class WorkPrecision(unittest.TestCase):
         steps = ["box_padding=0", "box_padding=2", "box_padding=12"]
         self.assertEqual(texts, [work_precision.DEFAULT, "reciprocal=newton:", "reciprocal=divide:", *steps])
 
+    def test_what_has_no_other_value_is_not_told(self) -> None:
+        found = [*some_cells(), cell(USUAL.replace("box_test=padded", "box_test=unpadded,box_padding=0"), [47.0], 3.0)]
+        self.assertEqual([(point.knob, point.label, point.step) for point in work_precision.work_precision(found)["s", "vertices"]][-1], ("box_test", "box_test=unpadded", ""))
+
     def test_a_slot_that_most_cells_lack_is_a_knob(self) -> None:
         found = [*some_cells(), cell(USUAL, [30.0], 9.0, first_hit="zbuffer:mode=final")]
         self.assertEqual([(p.knob, p.label) for p in work_precision.work_precision(found)["s", "vertices"]][-1], ("zbuffer", "mode=final"))
@@ -145,7 +149,17 @@ class WorkPrecision(unittest.TestCase):
         self.assertEqual(work_precision.tests_of(price.weak), "triangle_test=moeller_trumbore, precision=float")
         self.assertAlmostEqual(price.ratio.value, 51 / 46)
         row, = work_precision.price_table(some_cells()).rows
-        self.assertIn("triangle_test=moeller_trumbore", row[4].text)
+        self.assertIn("triangle_test=moeller_trumbore", row[5].text)
+
+    def test_another_traversal_has_a_price_of_its_own(self) -> None:
+        packets = [cell(f"traversal=packet,width=0,{one.technique[1]}", [sample["ns_per_ray"] for sample in one.samples.values()]) for one in some_cells()]  # type: ignore[misc]
+        found = work_precision.prices([*packets, cell("traversal=auto,group=256,volume=aabb", [23.0, 23.0, 23.5]), cell("traversal=auto,volume=kdop", [9.0])])
+        self.assertEqual([price.traversal for price in found], ["packet", "auto"])
+        self.assertAlmostEqual(found[1].ratio.value, 0.5)
+        with style.styled():
+            draft = drafts.price_draft([*packets, found[1].robust])
+        assert draft is not None
+        self.assertEqual([text.get_text() for text in draft.figure.legends[0].get_texts()], ["packets of 16", "traversal=auto, packets of 16"])
 
     def test_figures_hold_a_panel_for_each_scene_and_ray_kind(self) -> None:
         panels = work_precision.work_precision([*some_cells(), cell(USUAL, [9.0], rays="random")])
