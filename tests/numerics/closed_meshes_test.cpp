@@ -30,7 +30,7 @@ struct Case {
   [[nodiscard]] bool is(std::string_view structure) const { return technique == structure; }
 };
 
-/// Every structure with default parameters, and the traversals of each that are not the default.
+/// Every structure with default parameters, and the traversals and bounding volumes of each that are not the default.
 std::vector<Case> all_cases() {
   const std::vector<int> all_packets{1, 3, 16, 64}, one{16};
   std::vector<Case> cases;
@@ -38,8 +38,10 @@ std::vector<Case> all_cases() {
     for (const Isa isa : kIsas) cases.push_back({std::string(technique), isa, packets});
   };
   for (const char* of_own_tests : {"bvh:traversal=beam", "bvh:traversal=stream"}) add(of_own_tests, all_packets);  // of triangles
-  for (const char* other : {"bvh:traversal=packet", "bvh:traversal=single", "grid:traversal=slices", "kdtree:traversal=packet", "bsp:traversal=packet",
-                            "octree:tracking=neighbour", "octree:tracking=point_location"}) {
+  for (const char* other :
+       {"bvh:traversal=packet", "bvh:traversal=single", "bvh:traversal=heap", "bvh:traversal=stream,plane_bits=8", "bvh:traversal=single,plane_bits=5",
+        "bvh:volume=sphere", "bvh:volume=obb", "bvh:volume=kdop", "bvh:volume=kdop,k=26", "grid:traversal=slices", "kdtree:traversal=packet",
+        "bsp:traversal=packet", "octree:tracking=neighbour", "octree:tracking=point_location"}) {
     add(other, one);
   }
   for (const StructureEntry& entry : structures()) add(entry.name, all_packets);
