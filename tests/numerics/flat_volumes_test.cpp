@@ -1,9 +1,9 @@
-// Rays that run in the planes of volumes, exactly: slabs off the axes, oriented boxes turned by 45 degrees, volumes of points, lines and planes. Volumes and rays
-// are made of whole numbers of 1/64, so that no plane is met, or missed, by rounding; what a ray meets is decided in rationals all the same.
+// Rays that run in the planes of volumes, exactly: slabs off the axes, oriented boxes turned by 45 degrees, volumes of points, lines and planes. Volumes and
+// rays are made of whole numbers of 1/64, so that no plane is met, or missed, by rounding; what a ray meets is decided in rationals all the same.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <algorithm>
 
 #include <glm/geometric.hpp>
 
@@ -185,7 +185,8 @@ TEST(FlatVolumes, BoxesTurnedBy45DegreesHoldRaysInTheirFaces) {
     SCOPED_TRACE(place.x);
     Counts counts;
     for (int v = 0; v < kVolumes; ++v) {
-      const TurnedBox box = turned_box(place + kStep * whole_vector(random, 640), [&](std::size_t) { return std::exp2(whole(random, -4, 3)); }, random);
+      const TurnedBox box = turned_box(
+          place + kStep * whole_vector(random, 640), [&](std::size_t) { return std::exp2(whole(random, -4, 3)); }, random);
       RayBatch near, far;
       for (int k = 0; k < kRays; ++k) {
         const std::size_t i = random.below(3);
