@@ -2,14 +2,25 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 namespace raymeter {
 
 namespace {
 
+CostPlanes planes_named(const std::string& name) noexcept {
+  if (name == "ends") return CostPlanes::ends;
+  return name == "to_median" ? CostPlanes::to_median : CostPlanes::between;
+}
+
+ObjectMedian median_named(const std::string& name) noexcept {
+  if (name == "mean") return ObjectMedian::mean_of_two;
+  return name == "mean_of_all" ? ObjectMedian::mean_of_all : ObjectMedian::upper;
+}
+
 double center(const Aabb& box, glm::length_t a) noexcept { return 0.5 * (double{box.min[a]} + double{box.max[a]}); }
 
-/// Median of the objects, each where its box, or the box's part in the cell, has its centre.
+/// The objects' median, each where its box, or the box's part in the cell, has its centre.
 double object_median(const SplitRule& rule, const Aabb& cell, glm::length_t a, const std::vector<Aabb>& boxes, std::span<const std::uint32_t> in_cell) {
   std::vector<double> centers;
   centers.reserve(in_cell.size());
@@ -17,28 +28,41 @@ double object_median(const SplitRule& rule, const Aabb& cell, glm::length_t a, c
     const double of_part = 0.5 * (double{std::max(boxes[e].min[a], cell.min[a])} + double{std::min(boxes[e].max[a], cell.max[a])});
     centers.push_back(rule.whole_boxes ? center(boxes[e], a) : of_part);
   }
+  if (rule.median == ObjectMedian::mean_of_all) {
+    const double mean = std::accumulate(centers.begin(), centers.end(), 0.0) / static_cast<double>(centers.size());
+    return std::clamp(mean, double{cell.min[a]}, double{cell.max[a]});
+  }
   const auto half = centers.begin() + static_cast<std::ptrdiff_t>(centers.size() / 2);
   std::nth_element(centers.begin(), half, centers.end());
   double median = *half;
-  if (rule.mean_median && centers.size() % 2 == 0) median = 0.5 * (median + *std::max_element(centers.begin(), half));
+  if (rule.median == ObjectMedian::mean_of_two && centers.size() % 2 == 0) median = 0.5 * (median + *std::max_element(centers.begin(), half));
   return std::clamp(median, double{cell.min[a]}, double{cell.max[a]});
 }
 
+/// Where plane i stands: 0 in the middle of the cell, 1 in the objects' median.
+double place_of_plane(const SplitRule& rule, int i) noexcept {
+  switch (rule.from_middle) {
+    case CostPlanes::between: return (i + 1.0) / (rule.planes + 1);
+    case CostPlanes::ends: return static_cast<double>(i) / std::max(1, rule.planes - 1);
+    case CostPlanes::to_median: return (i + 1.0) / rule.planes;
+  }
+  return 0;
+}
+
 /// The cheapest plane of axis a.
-double cost_plane(const SplitRule& rule, const Aabb& cell, glm::length_t a, const std::vector<Aabb>& boxes, std::span<const std::uint32_t> in_cell) {
+double cost_plane(const SplitRule& rule, const CellToSplit& of, glm::length_t a, const std::vector<Aabb>& boxes, std::span<const std::uint32_t> in_cell) {
+  const Aabb& cell = of.box;
   const double from = center(cell, a), to = object_median(rule, cell, a, boxes, in_cell);
   const auto planes = static_cast<std::size_t>(rule.planes);
   std::array<float, kMostCostPlanes> plane{};
   std::array<std::int64_t, kMostCostPlanes> below{}, above{};
-  for (std::size_t i = 0; i < planes; ++i) {
-    const auto step = static_cast<double>(i);
-    plane[i] = static_cast<float>(from + (to - from) * (rule.ends ? step / std::max(1, rule.planes - 1) : (step + 1) / (rule.planes + 1)));
-  }
+  for (std::size_t i = 0; i < planes; ++i) plane[i] = static_cast<float>(from + (to - from) * place_of_plane(rule, static_cast<int>(i)));
   for (const std::uint32_t e : in_cell) {
     const double at = center(boxes[e], a);
     for (std::size_t i = 0; i < planes; ++i) {
-      below[i] += (rule.count_centers ? at <= double{plane[i]} : boxes[e].min[a] <= plane[i]) ? 1 : 0;
-      above[i] += (rule.count_centers ? at > double{plane[i]} : boxes[e].max[a] >= plane[i]) ? 1 : 0;
+      const double at_plane{plane[i]};
+      below[i] += (rule.count_centers ? at <= at_plane : double{boxes[e].min[a]} - of.margin <= at_plane) ? 1 : 0;
+      above[i] += (rule.count_centers ? at > at_plane : double{boxes[e].max[a]} + of.margin >= at_plane) ? 1 : 0;
     }
   }
   const glm::dvec3 extent = glm::dvec3(cell.max) - glm::dvec3(cell.min);
@@ -60,20 +84,21 @@ double cost_plane(const SplitRule& rule, const Aabb& cell, glm::length_t a, cons
 SplitRule::SplitRule(const OctreeParams& params)
     : split(params.split == "cost" ? OctreeSplit::cost : OctreeSplit::center),
       planes(params.cost_count),
-      ends(params.cost_planes == "ends"),
+      from_middle(planes_named(params.cost_planes)),
+      median(median_named(params.cost_middle)),
       whole_boxes(params.cost_median == "boxes"),
-      mean_median(params.cost_middle == "mean"),
       length_cost(params.cost_measure == "length"),
       count_centers(params.cost_counts == "centers") {}
 
-glm::vec3 split_point(const SplitRule& rule, const Aabb& cell, double least, const std::vector<Aabb>& boxes, std::span<const std::uint32_t> in_cell) {
+glm::vec3 split_point(const SplitRule& rule, const CellToSplit& cell, const std::vector<Aabb>& boxes, std::span<const std::uint32_t> in_cell) {
   glm::vec3 point(std::numeric_limits<float>::infinity());
+  const Aabb& box = cell.box;
   for (glm::length_t a = 0; a < 3; ++a) {
-    if (!(double{cell.max[a]} - double{cell.min[a]} >= least)) continue;
-    const double plane = rule.split == OctreeSplit::cost ? cost_plane(rule, cell, a, boxes, in_cell) : center(cell, a);
+    if (!(double{box.max[a]} - double{box.min[a]} >= cell.least)) continue;
+    const double plane = rule.split == OctreeSplit::cost ? cost_plane(rule, cell, a, boxes, in_cell) : center(box, a);
     const auto rounded = static_cast<float>(plane);
     // A plane on the cell's border would divide nothing off.
-    if (rounded > cell.min[a] && rounded < cell.max[a]) point[a] = rounded;
+    if (rounded > box.min[a] && rounded < box.max[a]) point[a] = rounded;
   }
   return point;
 }

@@ -134,7 +134,7 @@ private:
 
   void divide(const BuildCell& cell, Division& division) {
     if (cell.count <= static_cast<std::size_t>(params_.leaf_size)) return;
-    division.split = split_point(rule_, cell.box, least_, boxes_, std::span(refs_).subspan(cell.first, cell.count));
+    division.split = split_point(rule_, {cell.box, least_, tree_.margin}, boxes_, std::span(refs_).subspan(cell.first, cell.count));
     if (!(std::min({division.split.x, division.split.y, division.split.z}) < std::numeric_limits<float>::infinity())) return;
     using Counts = std::array<std::uint32_t, 8>;
     const DividedCell children = divided(cell.box, division.split);

@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <numeric>
+#include <utility>
 
 #include "accel/octree/cell_overlap.h"
+#include "accel/octree/cell_split.h"
 #include "accel/octree/octree_tree.h"
 #include "tests/support/grid_rays.h"
 #include "tests/support/test_rays.h"
@@ -19,12 +22,12 @@ bool same(const Column<T>& a, const Column<T>& b) {
 
 TEST(OctreeBuild, IsTheSameOnAnyNumberOfThreads) {
   const Scene scene = mixed_scene(20000, 0.02);
-  for (const char* rule : {"center", "cost", "ends", "boxes", "centers", "mean", "length"}) {
+  for (const char* rule : {"center", "cost", "ends", "to_median", "boxes", "centers", "mean", "mean_of_all", "length"}) {
     OctreeParams params;
     params.split = std::string_view(rule) == "center" ? "center" : "cost";
-    if (std::string_view(rule) == "ends") params.cost_planes = rule;
+    if (std::string_view(rule) == "ends" || std::string_view(rule) == "to_median") params.cost_planes = rule;
     if (std::string_view(rule) == "boxes") params.cost_median = rule;
-    if (std::string_view(rule) == "mean") params.cost_middle = rule;
+    if (std::string_view(rule).starts_with("mean")) params.cost_middle = rule;
     if (std::string_view(rule) == "length") params.cost_measure = rule;
     if (std::string_view(rule) == "centers") params.cost_counts = rule;
     const Octree one = build_octree_tree(scene, params, 1);
@@ -137,6 +140,49 @@ TEST(OctreeBuild, KeepsToItsBudgetWhereEverythingCoincides) {
   params.budget = 4;
   const Octree tree = build_octree_tree(scene, params, 2);
   EXPECT_LE(tree.stats.references, 4 * 100000);
+}
+
+/// Where the plane of least cost across x divides the cell from 0 to 16.
+float plane_of_least_cost(const OctreeParams& params, const std::vector<Aabb>& boxes, double margin = 0) {
+  std::vector<std::uint32_t> all(boxes.size());
+  std::iota(all.begin(), all.end(), 0u);
+  return split_point(SplitRule(params), {{glm::vec3(0.0F), glm::vec3(16.0F)}, 0, margin}, boxes, all).x;
+}
+
+/// A box from x = low to high, across the cell.
+Aabb slice(float low, float high) { return {{low, 0, 0}, {high, 16, 16}}; }
+
+TEST(CellSplit, TakesWhatIsAskedForAsTheObjectsMedian) {
+  OctreeParams params;
+  params.split = "cost";
+  params.cost_count = 1;
+  params.cost_planes = "to_median";                                                    // the median is the only plane
+  const std::vector<Aabb> boxes{slice(1, 1), slice(2, 2), slice(4, 4), slice(5, 15)};  // in the middle 1, 2, 4, 10
+  for (const auto& [median, plane] : {std::pair{"upper", 4.0F}, {"mean", 3.0F}, {"mean_of_all", 4.25F}}) {
+    params.cost_middle = median;
+    EXPECT_EQ(plane_of_least_cost(params, boxes), plane) << median;
+  }
+}
+
+TEST(CellSplit, TriesTheEndsThatAreAskedFor) {
+  OctreeParams params;
+  params.split = "cost";
+  params.cost_count = 2;
+  // All objects lie in the same plane, the median: the nearer a plane, the cheaper, but in it they are on both sides.
+  const std::vector<Aabb> boxes{slice(2, 2), slice(2, 2)};
+  for (const auto& [planes, plane] : {std::pair{"between", 4.0F}, {"ends", 8.0F}, {"to_median", 5.0F}}) {
+    params.cost_planes = planes;
+    EXPECT_EQ(plane_of_least_cost(params, boxes), plane) << planes;
+  }
+}
+
+TEST(CellSplit, CountsOnEachSideWhatItsListWillHold) {
+  OctreeParams params;
+  params.split = "cost";
+  params.cost_count = 3;  // planes at 6.5, 5 and 3.5
+  const std::vector<Aabb> boxes{slice(1.5F, 3), slice(2, 2), slice(2, 2)};
+  EXPECT_EQ(plane_of_least_cost(params, boxes), 3.5F);
+  EXPECT_EQ(plane_of_least_cost(params, boxes, 0.75), 5.0F) << "the list above 3.5 holds what ends at 3";
 }
 
 TEST(CellOverlap, SeparatesWhatOnlyHasABoxThere) {

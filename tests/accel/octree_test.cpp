@@ -42,8 +42,9 @@ void expect_equals_list(const Scene& scene, const RayBatch& rays, const std::str
 
 TEST(Octree, EqualsListBitForBit) {
   const Scene scene = mixed_scene(2000, 0.1);
-  for (const char* build : {"placement=exact,leaf_size=1", "placement=box", "split=cost", "max_depth=1", "max_depth=0", "root=cube",
-                            "placement=box,cone_padding=0.1,triangle_padding=0.2,start=origin", "placement=box,cone_padding=0.1,padding_sides=low"}) {
+  for (const char* build :
+       {"placement=exact,leaf_size=1", "placement=box", "split=cost", "placement=box,split=cost,cost_planes=to_median,cost_middle=mean_of_all", "max_depth=1",
+        "max_depth=0", "root=cube", "placement=box,cone_padding=0.1,triangle_padding=0.2,start=origin", "placement=box,cone_padding=0.1,padding_sides=low"}) {
     expect_equals_list(scene, random_rays(200), build);
   }
 }
