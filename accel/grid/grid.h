@@ -27,6 +27,7 @@ struct GridParams {
   double growth_low = 0;
   double growth_high = 0;
   double cone_padding = 0;
+  double thin_padding = 0;
   double margin = 1.0 / 512;
   bool mailbox = true;
   std::string traversal = "lanes";
@@ -53,6 +54,8 @@ struct GridParams {
         Field{"growth_low", &GridParams::growth_low, "of the grid beyond the low sides of the scene's box, relative to its extent", 0, 1},
         Field{"growth_high", &GridParams::growth_high, "of the grid beyond the high sides of the scene's box, relative to its extent", 0, 1},
         Field{"cone_padding", &GridParams::cone_padding, "of the boxes of cones and cylinders on all sides, in units of the scene", 0, 1e6},
+        Field{"thin_padding", &GridParams::thin_padding,
+              "of the boxes of triangles and polygons, along axes where they are no longer than this; in units of the scene", 0, 1e6},
         Field{"margin", &GridParams::margin, "share of a cell that its list reaches beyond it at least; rays from far away need more", 0, 0.25},
         Field{"mailbox", &GridParams::mailbox, "test hardly any primitive twice for one ray", 0, 0, {}, ParamUse::query},
         Field{"traversal", &GridParams::traversal, "lanes step each on its own, or packets go slice by slice", 0, 0, {"lanes", "slices"}, ParamUse::query},

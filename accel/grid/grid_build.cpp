@@ -11,6 +11,7 @@
 #include <tbb/parallel_scan.h>
 
 #include "accel/grid/grid_resolution.h"
+#include "accel/thin_box.h"
 #include "core/base/threads.h"
 #include "core/geometry/error_bounds.h"
 
@@ -278,7 +279,7 @@ private:
 }  // namespace
 
 Aabb listed_box(const Pools& pools, PrimRef ref, const GridParams& params) noexcept {
-  Aabb box = padded_bounds(pools, ref);
+  Aabb box = thickened(padded_bounds(pools, ref), ref.kind(), static_cast<float>(params.thin_padding));
   if (ref.kind() == PrimKind::cone) {
     box.min -= glm::vec3(static_cast<float>(params.cone_padding));
     box.max += glm::vec3(static_cast<float>(params.cone_padding));

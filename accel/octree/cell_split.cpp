@@ -8,11 +8,6 @@ namespace raymeter {
 
 namespace {
 
-CostPlanes planes_named(const std::string& name) noexcept {
-  if (name == "ends") return CostPlanes::ends;
-  return name == "to_median" ? CostPlanes::to_median : CostPlanes::between;
-}
-
 ObjectMedian median_named(const std::string& name) noexcept {
   if (name == "mean") return ObjectMedian::mean_of_two;
   return name == "mean_of_all" ? ObjectMedian::mean_of_all : ObjectMedian::upper;
@@ -39,16 +34,6 @@ double object_median(const SplitRule& rule, const Aabb& cell, glm::length_t a, c
   return std::clamp(median, double{cell.min[a]}, double{cell.max[a]});
 }
 
-/// Where plane i stands: 0 in the middle of the cell, 1 in the objects' median.
-double place_of_plane(const SplitRule& rule, int i) noexcept {
-  switch (rule.from_middle) {
-    case CostPlanes::between: return (i + 1.0) / (rule.planes + 1);
-    case CostPlanes::ends: return static_cast<double>(i) / std::max(1, rule.planes - 1);
-    case CostPlanes::to_median: return (i + 1.0) / rule.planes;
-  }
-  return 0;
-}
-
 /// The cheapest plane of axis a.
 double cost_plane(const SplitRule& rule, const CellToSplit& of, glm::length_t a, const std::vector<Aabb>& boxes, std::span<const std::uint32_t> in_cell) {
   const Aabb& cell = of.box;
@@ -56,7 +41,10 @@ double cost_plane(const SplitRule& rule, const CellToSplit& of, glm::length_t a,
   const auto planes = static_cast<std::size_t>(rule.planes);
   std::array<float, kMostCostPlanes> plane{};
   std::array<std::int64_t, kMostCostPlanes> below{}, above{};
-  for (std::size_t i = 0; i < planes; ++i) plane[i] = static_cast<float>(from + (to - from) * place_of_plane(rule, static_cast<int>(i)));
+  for (std::size_t i = 0; i < planes; ++i) {
+    const auto step = static_cast<double>(i);
+    plane[i] = static_cast<float>(from + (to - from) * (rule.ends ? step / std::max(1, rule.planes - 1) : (step + 1) / (rule.planes + 1)));
+  }
   for (const std::uint32_t e : in_cell) {
     const double at = center(boxes[e], a);
     for (std::size_t i = 0; i < planes; ++i) {
@@ -84,7 +72,7 @@ double cost_plane(const SplitRule& rule, const CellToSplit& of, glm::length_t a,
 SplitRule::SplitRule(const OctreeParams& params)
     : split(params.split == "cost" ? OctreeSplit::cost : OctreeSplit::center),
       planes(params.cost_count),
-      from_middle(planes_named(params.cost_planes)),
+      ends(params.cost_planes == "ends"),
       median(median_named(params.cost_middle)),
       whole_boxes(params.cost_median == "boxes"),
       length_cost(params.cost_measure == "length"),

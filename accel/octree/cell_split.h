@@ -10,8 +10,6 @@
 namespace raymeter {
 
 enum class OctreeSplit : std::uint8_t { center, cost };
-/// Which of the planes from the middle to the median are tried: none of these two, both, or the median.
-enum class CostPlanes : std::uint8_t { between, ends, to_median };
 /// What stands for the objects' median: of an even number the upper one of the two in the middle, or their mean; or the mean of all.
 enum class ObjectMedian : std::uint8_t { upper, mean_of_two, mean_of_all };
 
@@ -23,7 +21,7 @@ enum class ObjectMedian : std::uint8_t { upper, mean_of_two, mean_of_all };
 struct SplitRule {
   OctreeSplit split = OctreeSplit::center;
   int planes = 10;
-  CostPlanes from_middle = CostPlanes::between;
+  bool ends = false;  ///< the middle and the median are two of the planes, instead of none
   ObjectMedian median = ObjectMedian::upper;
   bool whole_boxes = false;    ///< the median is of the centres of the boxes, instead of those of their parts in the cell
   bool length_cost = false;    ///< a side costs its length times its objects, instead of its area

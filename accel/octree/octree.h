@@ -23,7 +23,7 @@ struct OctreeParams {
   std::string root = "box";
   double growth = 0.001;
   double cone_padding = 0;
-  double triangle_padding = 0;
+  double thin_padding = 0;
   std::string padding_sides = "both";
   int budget = 32;
   std::string tracking = "parametric";
@@ -43,10 +43,10 @@ struct OctreeParams {
         where<OctreeParams>(by_cost, Field{"cost_count", &OctreeParams::cost_count, "planes that are tried on an axis", 1, kMostCostPlanes}),
         where<OctreeParams>(by_cost, Field{"cost_planes",
                                            &OctreeParams::cost_planes,
-                                           "planes are tried between the cell's middle and the objects' median, with these ends, or with the median",
+                                           "planes are tried between the cell's middle and the objects' median, or with these ends",
                                            0,
                                            0,
-                                           {"between", "ends", "to_median"}}),
+                                           {"between", "ends"}}),
         where<OctreeParams>(by_cost, Field{"cost_median",
                                            &OctreeParams::cost_median,
                                            "objects stand in their median where their boxes have their centres, or the boxes' parts in the cell",
@@ -82,11 +82,16 @@ struct OctreeParams {
         Field{"growth", &OctreeParams::growth, "of the root cell beyond the scene's box, relative to its extent", 0, 1},
         where<OctreeParams>([](const OctreeParams& p) { return p.placement == "box"; },
                             Field{"cone_padding", &OctreeParams::cone_padding, "of the boxes of cones and cylinders, in units of the scene", 0, 1e6}),
+        where<OctreeParams>([](const OctreeParams& p) { return p.placement == "box" && p.cone_padding > 0; },
+                            Field{"padding_sides",
+                                  &OctreeParams::padding_sides,
+                                  "sides of boxes of cones and cylinders that are padded: all, or the low ones",
+                                  0,
+                                  0,
+                                  {"both", "low"}}),
         where<OctreeParams>([](const OctreeParams& p) { return p.placement == "box"; },
-                            Field{"triangle_padding", &OctreeParams::triangle_padding, "of the boxes of triangles, in units of the scene", 0, 1e6}),
-        where<OctreeParams>(
-            [](const OctreeParams& p) { return p.placement == "box" && (p.cone_padding > 0 || p.triangle_padding > 0); },
-            Field{"padding_sides", &OctreeParams::padding_sides, "sides of boxes that are padded: all, or the low ones", 0, 0, {"both", "low"}}),
+                            Field{"thin_padding", &OctreeParams::thin_padding,
+                                  "of the boxes of triangles and polygons, along axes where they are no longer than this; in units of the scene", 0, 1e6}),
         Field{"budget", &OctreeParams::budget, "references per primitive at most; small scenes get those of 1024", 1, 65536},
         Field{"tracking", &OctreeParams::tracking, "how a ray finds its next cell", 0, 0, {"parametric", "point_location", "neighbour"}, ParamUse::query},
         Field{"start",

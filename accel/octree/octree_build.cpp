@@ -10,6 +10,7 @@
 #include "accel/octree/cell_split.h"
 #include "accel/octree/octree_flatten.h"
 #include "accel/octree/octree_tree.h"
+#include "accel/thin_box.h"
 #include "core/base/threads.h"
 #include "core/geometry/error_bounds.h"
 
@@ -75,9 +76,12 @@ private:
     });
     Aabb all;
     for (const Aabb& box : boxes_) all.grow(box);
-    pad_boxes(PrimKind::cone, params_.cone_padding);
-    pad_boxes(PrimKind::triangle, params_.triangle_padding);
     BuildCell root;
+    for (std::size_t e = 0; e < count; ++e) {
+      boxes_[e] = thickened(boxes_[e], draft_.entries[e].kind(), static_cast<float>(params_.thin_padding));
+      root.box.grow(boxes_[e]);
+    }
+    pad_cones();
     const glm::dvec3 extent = count > 0 ? glm::dvec3(all.max) - glm::dvec3(all.min) : glm::dvec3(0.0);
     const double largest = std::max({extent.x, extent.y, extent.z});
     const double reach = std::sqrt(tree_.exact ? 3.0 : 1.0) * (kReach + 1) * largest;
@@ -93,8 +97,8 @@ private:
       tree_.center[i] = static_cast<float>(0.5 * (double{all.min[a]} + double{all.max[a]}));
       const double growth = params_.root == "cube" ? (0.5 + params_.growth) * largest - 0.5 * extent[a] : params_.growth * extent[a];
       constexpr double kMost{std::numeric_limits<float>::max()};
-      root.box.min[a] = static_cast<float>(std::max(double{all.min[a]} - growth, -kMost));
-      root.box.max[a] = static_cast<float>(std::min(double{all.max[a]} + growth, kMost));
+      root.box.min[a] = static_cast<float>(std::max(double{root.box.min[a]} - growth, -kMost));
+      root.box.max[a] = static_cast<float>(std::min(double{root.box.max[a]} + growth, kMost));
     }
     root.count = count;
     root.budget = static_cast<double>(params_.budget) * static_cast<double>(std::max<std::size_t>(count, 1024));
@@ -103,12 +107,12 @@ private:
     for (std::size_t e = 0; e < count; ++e) refs_[e] = static_cast<std::uint32_t>(e);
   }
 
-  void pad_boxes(PrimKind kind, double padding) {
-    if (padding == 0) return;
-    const glm::vec3 low(static_cast<float>(padding));
+  void pad_cones() {
+    if (params_.cone_padding == 0) return;
+    const glm::vec3 low(static_cast<float>(params_.cone_padding));
     const glm::vec3 high = params_.padding_sides == "both" ? low : glm::vec3(0.0F);
     for (std::size_t e = 0; e < boxes_.size(); ++e) {
-      if (draft_.entries[e].kind() == kind) boxes_[e] = {boxes_[e].min - low, boxes_[e].max + high};
+      if (draft_.entries[e].kind() == PrimKind::cone) boxes_[e] = {boxes_[e].min - low, boxes_[e].max + high};
     }
   }
 

@@ -22,10 +22,10 @@ bool same(const Column<T>& a, const Column<T>& b) {
 
 TEST(OctreeBuild, IsTheSameOnAnyNumberOfThreads) {
   const Scene scene = mixed_scene(20000, 0.02);
-  for (const char* rule : {"center", "cost", "ends", "to_median", "boxes", "centers", "mean", "mean_of_all", "length"}) {
+  for (const char* rule : {"center", "cost", "ends", "boxes", "centers", "mean", "mean_of_all", "length"}) {
     OctreeParams params;
     params.split = std::string_view(rule) == "center" ? "center" : "cost";
-    if (std::string_view(rule) == "ends" || std::string_view(rule) == "to_median") params.cost_planes = rule;
+    if (std::string_view(rule) == "ends") params.cost_planes = rule;
     if (std::string_view(rule) == "boxes") params.cost_median = rule;
     if (std::string_view(rule).starts_with("mean")) params.cost_middle = rule;
     if (std::string_view(rule) == "length") params.cost_measure = rule;
@@ -155,10 +155,9 @@ Aabb slice(float low, float high) { return {{low, 0, 0}, {high, 16, 16}}; }
 TEST(CellSplit, TakesWhatIsAskedForAsTheObjectsMedian) {
   OctreeParams params;
   params.split = "cost";
-  params.cost_count = 1;
-  params.cost_planes = "to_median";                                                    // the median is the only plane
-  const std::vector<Aabb> boxes{slice(1, 1), slice(2, 2), slice(4, 4), slice(5, 15)};  // in the middle 1, 2, 4, 10
-  for (const auto& [median, plane] : {std::pair{"upper", 4.0F}, {"mean", 3.0F}, {"mean_of_all", 4.25F}}) {
+  params.cost_count = 1;                                                               // halfway from the cell's middle to the median
+  const std::vector<Aabb> boxes{slice(1, 1), slice(2, 2), slice(4, 4), slice(5, 15)};  // around 1, 2, 4, 10
+  for (const auto& [median, plane] : {std::pair{"upper", 6.0F}, {"mean", 5.5F}, {"mean_of_all", 6.125F}}) {
     params.cost_middle = median;
     EXPECT_EQ(plane_of_least_cost(params, boxes), plane) << median;
   }
@@ -170,7 +169,7 @@ TEST(CellSplit, TriesTheEndsThatAreAskedFor) {
   params.cost_count = 2;
   // All objects lie in the same plane, the median: the nearer a plane, the cheaper, but in it they are on both sides.
   const std::vector<Aabb> boxes{slice(2, 2), slice(2, 2)};
-  for (const auto& [planes, plane] : {std::pair{"between", 4.0F}, {"ends", 8.0F}, {"to_median", 5.0F}}) {
+  for (const auto& [planes, plane] : {std::pair{"between", 4.0F}, {"ends", 8.0F}}) {
     params.cost_planes = planes;
     EXPECT_EQ(plane_of_least_cost(params, boxes), plane) << planes;
   }

@@ -43,25 +43,37 @@ void expect_equals_list(const Scene& scene, const RayBatch& rays, const std::str
 TEST(Octree, EqualsListBitForBit) {
   const Scene scene = mixed_scene(2000, 0.1);
   for (const char* build :
-       {"placement=exact,leaf_size=1", "placement=box", "split=cost", "placement=box,split=cost,cost_planes=to_median,cost_middle=mean_of_all", "max_depth=1",
-        "max_depth=0", "root=cube", "placement=box,cone_padding=0.1,triangle_padding=0.2,start=origin", "placement=box,cone_padding=0.1,padding_sides=low"}) {
+       {"placement=exact,leaf_size=1", "placement=box", "split=cost", "placement=box,split=cost,cost_planes=ends,cost_middle=mean_of_all", "max_depth=1",
+        "max_depth=0", "root=cube", "placement=box,cone_padding=0.1,thin_padding=0.2,start=origin", "placement=box,cone_padding=0.1,padding_sides=low"}) {
     expect_equals_list(scene, random_rays(200), build);
   }
 }
 
-TEST(Octree, PadsTheBoxesOfOneKindOnTheSidesAskedFor) {
+std::int64_t references(const Scene& scene, const std::string& padding) {
+  const TechniqueSpec spec = parse_technique("octree:placement=box,leaf_size=1,max_depth=4" + padding);
+  return spec.structure->build(scene, spec.params, 1)->stats().references;
+}
+
+TEST(Octree, PadsTheBoxesOfConesOnTheSidesAskedFor) {
   const Scene scene = mixed_scene(400, 0.1);
-  const auto references = [&](const std::string& padding) {
-    const TechniqueSpec spec = parse_technique("octree:placement=box,leaf_size=1,max_depth=4" + padding);
-    return spec.structure->build(scene, spec.params, 1)->stats().references;
-  };
-  const std::int64_t tight = references("");
-  for (const std::string kind : {",cone_padding=0.05", ",triangle_padding=0.05"}) {
-    const std::int64_t low = references(kind + ",padding_sides=low"), both = references(kind);
-    EXPECT_GT(low, tight) << kind;
-    EXPECT_GT(both, low) << kind;
-    EXPECT_GT(references(",cone_padding=0.05,triangle_padding=0.05"), both) << kind;
-  }
+  const std::int64_t low = references(scene, ",cone_padding=0.05,padding_sides=low"), both = references(scene, ",cone_padding=0.05");
+  EXPECT_GT(low, references(scene, ""));
+  EXPECT_GT(both, low);
+}
+
+TEST(Octree, PadsBoxesOfPolygonsAlongAxesWhereTheyAreThin) {
+  Scene scene;
+  scene.add_sphere({-4, -4, -4}, 0.5);  // the box is [-4.5, 4.5]^3: its planes go through the origin
+  scene.add_sphere({4, 4, 4}, 0.5);
+  scene.add_triangle({0.25, 1, 1}, {0.25, 2, 1}, {0.25, 1, 2});
+  const std::array<glm::dvec3, 4> square{glm::dvec3(-2, 0.25, -2), {-1, 0.25, -2}, {-1, 0.25, -1}, {-2, 0.25, -1}};
+  scene.add_polygon(square);
+  scene.finish();
+  const auto listed = [&](const char* padding) { return references(scene, std::string(",max_depth=1,thin_padding=") + padding); };
+  EXPECT_EQ(listed("0"), 4);
+  EXPECT_EQ(listed("0.2"), 4) << "does not reach the planes";
+  EXPECT_EQ(listed("0.3"), 6) << "both do, across x and y";
+  EXPECT_EQ(listed("0.9"), 6) << "they are 1 wide along the other axes";
 }
 
 TEST(Octree, EqualsListAtHugeAndTinyCoordinates) {
