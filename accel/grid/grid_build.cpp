@@ -102,7 +102,7 @@ private:
         Range(0, entry_count_, kGrain), Bounds{},
         [&](const Range& range, Bounds sum) {
           for (std::size_t e = range.begin(); e < range.end(); ++e) {
-            const Aabb box = tight_bounds(pools_, prim(e));
+            const Aabb box = thickened(tight_bounds(pools_, prim(e)), prim(e).kind(), static_cast<float>(params_.thin_padding));
             sum.tight.grow(box);
             sum.padded.grow(padded(box));
           }
