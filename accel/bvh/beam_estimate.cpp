@@ -29,7 +29,8 @@ Sample sample_of(const RayView& rays, std::int32_t first, int group) noexcept {
     if (i >= rays.count) break;
     const double x{rays.dir[0][i]}, y{rays.dir[1][i]}, z{rays.dir[2][i]};
     const double length2 = x * x + y * y + z * z;
-    if (!(length2 > 0 && length2 < kInf)) continue;
+    const float farthest = std::abs(rays.org[0][i]) + std::abs(rays.org[1][i]) + std::abs(rays.org[2][i]);  // NaN and infinity stay
+    if (!(length2 > 0 && length2 < kInf && double{farthest} < kInf && rays.t_min[i] <= rays.t_max[i])) continue;
     const double length = std::sqrt(length2), per_length = 1 / length;
     for (int a = 0; a < 3; ++a) {
       sample.org[a][sample.count] = double{rays.org[a][i]};

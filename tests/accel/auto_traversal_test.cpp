@@ -80,10 +80,17 @@ TEST(BeamEstimate, FindsTheWidestGroupOfASlice) {
 }
 
 TEST(BeamEstimate, LeavesOutWhatIsNoRay) {
-  RayBatch rays = fan(16, 0, 1);
-  rays.set(5, test::make_ray({0, 0, 0}, {0, 0, 0}));
-  rays.set(10, test::make_ray({0, 0, 0}, {std::numeric_limits<double>::quiet_NaN(), 0, 1}));
-  EXPECT_NEAR(leaves_per_ray(rays.view(), kBox, cubes(8, 1)), 1, 1e-6);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
+  const Ray invalid[] = {{{0, 0, 0}, 0, {0, 0, 0}, kInf},    {{0, 0, 0}, 0, {kNan, 0, 1}, kInf}, {{0, 0, 0}, 0, {0, -kInf, 1}, kInf},
+                         {{0, kNan, 0}, 0, {0, 0, 1}, kInf}, {{0, 0, kInf}, 0, {0, 0, 1}, kInf}, {{0, 0, 0}, kNan, {0, 0, 1}, kInf},
+                         {{0, 0, 0}, 0, {0, 0, 1}, kNan},    {{0, 0, 0}, 1, {0, 0, 1}, 0}};
+  RayBatch rays = fan(256, 0, 1);
+  for (const Ray& ray : invalid) {
+    for (const std::size_t looked_at : {5u, 10u}) rays.set(looked_at, ray);  // of the beam
+    for (const std::size_t looked_at : {85u, 170u}) rays.set(looked_at, ray);  // of the group
+    EXPECT_NEAR(leaves_per_ray(rays.view(0, 16), kBox, cubes(8, 1)), 1, 1e-6);
+    EXPECT_NEAR(group_width(rays.view(), kBox), 0, 1e-6);
+  }
   EXPECT_EQ(leaves_per_ray(RayBatch().view(), kBox, cubes(8, 1)), kBeamRays);
 }
 
