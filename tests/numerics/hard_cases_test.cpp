@@ -84,20 +84,12 @@ TEST_P(HardCases, AreAnsweredAsTheyMustBe) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Cases, HardCases, testing::ValuesIn([] {
-                           std::vector<const HardCase*> rows;
-                           for (const HardCase& row : hard_cases()) rows.push_back(&row);
-                           return rows;
-                         }()),
-                         [](const testing::TestParamInfo<const HardCase*>& row) { return std::string(row.param->name); });
-
-class HardCasesByStructure : public testing::TestWithParam<std::string> {};
-
-TEST_P(HardCasesByStructure, AreAnsweredAsByTheListBitForBit) {
-  const TechniqueSpec spec = parse_technique(GetParam());
-  for (const HardCase& hard : hard_cases()) {
-    SCOPED_TRACE(hard.name);
-    const Problem& problem = problem_of(hard);
+TEST_P(HardCases, AreAnsweredByEveryStructureAsByTheListBitForBit) {
+  const HardCase& hard = *GetParam();
+  const Problem& problem = problem_of(hard);
+  for (const std::string& technique : test::all_traversals()) {
+    SCOPED_TRACE(technique);
+    const TechniqueSpec spec = parse_technique(technique);
     const auto structure = spec.structure->build(problem.scene, spec.params, 1);
     for (const Isa isa : kIsas) {
       if (!available(isa)) continue;
@@ -115,8 +107,12 @@ TEST_P(HardCasesByStructure, AreAnsweredAsByTheListBitForBit) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Structures, HardCasesByStructure, testing::ValuesIn(test::all_traversals()),
-                         [](const testing::TestParamInfo<std::string>& technique) { return test::test_name(technique.param); });
+INSTANTIATE_TEST_SUITE_P(Cases, HardCases, testing::ValuesIn([] {
+                           std::vector<const HardCase*> rows;
+                           for (const HardCase& row : hard_cases()) rows.push_back(&row);
+                           return rows;
+                         }()),
+                         [](const testing::TestParamInfo<const HardCase*>& row) { return std::string(row.param->name); });
 
 class OverlappingQuads : public testing::TestWithParam<std::string> {};
 
