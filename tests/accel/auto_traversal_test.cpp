@@ -86,7 +86,7 @@ TEST(BeamEstimate, LeavesOutWhatIsNoRay) {
                          {{0, 0, 0}, 0, {0, 0, 1}, kNan},    {{0, 0, 0}, 1, {0, 0, 1}, 0}};
   RayBatch rays = fan(256, 0, 1);
   for (const Ray& ray : invalid) {
-    for (const std::size_t looked_at : {5u, 10u}) rays.set(looked_at, ray);  // of the beam
+    for (const std::size_t looked_at : {5u, 10u}) rays.set(looked_at, ray);    // of the beam
     for (const std::size_t looked_at : {85u, 170u}) rays.set(looked_at, ray);  // of the group
     EXPECT_NEAR(leaves_per_ray(rays.view(0, 16), kBox, cubes(8, 1)), 1, 1e-6);
     EXPECT_NEAR(group_width(rays.view(), kBox), 0, 1e-6);
