@@ -19,6 +19,10 @@ struct Sample {
   double begin = 0;  ///< where rays begin and end, on the mean
   double end = 0;
   int count = 0;
+  bool spoilt = false;  ///< some of those looked at are no rays
+
+  /// Whether it tells how wide the group is: where rays were left out, one alone does not.
+  [[nodiscard]] bool tells() const noexcept { return count > (spoilt ? 1 : 0); }
 };
 
 /// Of `group` rays from `first` on: of a square of pixels the diagonal, as wide as all of it.
@@ -29,8 +33,12 @@ Sample sample_of(const RayView& rays, std::int32_t first, int group) noexcept {
     if (i >= rays.count) break;
     const double x{rays.dir[0][i]}, y{rays.dir[1][i]}, z{rays.dir[2][i]};
     const double length2 = x * x + y * y + z * z;
-    const float farthest = std::abs(rays.org[0][i]) + std::abs(rays.org[1][i]) + std::abs(rays.org[2][i]);  // NaN and infinity stay
-    if (!(length2 > 0 && length2 < kInf && double{farthest} < kInf && rays.t_min[i] <= rays.t_max[i])) continue;
+    double farthest = 0;  // NaN and infinity stay
+    for (int a = 0; a < 3; ++a) farthest += std::abs(double{rays.org[a][i]});
+    if (!(length2 > 0 && length2 < kInf && farthest < kInf && rays.t_min[i] <= rays.t_max[i])) {
+      sample.spoilt = true;
+      continue;
+    }
     const double length = std::sqrt(length2), per_length = 1 / length;
     for (int a = 0; a < 3; ++a) {
       sample.org[a][sample.count] = double{rays.org[a][i]};
@@ -114,7 +122,7 @@ double leaves_per_ray(const RayView& slice, const float* box, const LeafSizes& l
   double sum = 0, counted = 0;
   for (std::int32_t g = 0; g < taken; ++g) {
     const Sample sample = sample_of(slice, g * groups / taken * kBeamRays, kBeamRays);
-    if (sample.count == 0) continue;
+    if (!sample.tells()) continue;
     const MeanRay ray = mean_ray(sample, box);
     const double width = ray.begin <= ray.end ? width_at(sample, ray, 0.5 * (ray.begin + ray.end)) : 0;  // a beam beside the box ends at once, as its rays do
     const double met = 1 + width * (leaves.per_width + width * leaves.per_area);
@@ -129,7 +137,7 @@ double group_width(const RayView& slice, const float* box) noexcept {
   for (int a = 0; a < 3; ++a) extent = std::max(extent, double{box[a + 3]} - double{box[a]});
   for (std::int32_t first = 0; first < slice.count; first += kMaxGroupRays) {
     const Sample sample = sample_of(slice, first, kMaxGroupRays);
-    if (sample.count == 0) continue;
+    if (!sample.tells()) continue;
     const MeanRay ray = mean_ray(sample, box);
     if (ray.begin <= ray.end) widest = std::max({widest, width_at(sample, ray, ray.begin), width_at(sample, ray, ray.end)});
   }

@@ -81,17 +81,32 @@ TEST(BeamEstimate, FindsTheWidestGroupOfASlice) {
 
 TEST(BeamEstimate, LeavesOutWhatIsNoRay) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
-  const Ray invalid[] = {{{0, 0, 0}, 0, {0, 0, 0}, kInf},    {{0, 0, 0}, 0, {kNan, 0, 1}, kInf}, {{0, 0, 0}, 0, {0, -kInf, 1}, kInf},
-                         {{0, kNan, 0}, 0, {0, 0, 1}, kInf}, {{0, 0, kInf}, 0, {0, 0, 1}, kInf}, {{0, 0, 0}, kNan, {0, 0, 1}, kInf},
-                         {{0, 0, 0}, 0, {0, 0, 1}, kNan},    {{0, 0, 0}, 1, {0, 0, 1}, 0}};
-  RayBatch rays = fan(256, 0, 1);
+  const Ray invalid[] = {{{0, 0, -5}, 0, {0, 0, 0}, kInf},    {{0, 0, -5}, 0, {kNan, 0, 1}, kInf}, {{0, 0, -5}, 0, {0, -kInf, 1}, kInf},
+                         {{0, kNan, -5}, 0, {0, 0, 1}, kInf}, {{kInf, 0, -5}, 0, {0, 0, 1}, kInf}, {{3, 0, -5}, kNan, {0, 0, 1}, kInf},
+                         {{3, 0, -5}, 0, {0, 0, 1}, kNan},    {{3, 0, -5}, 1, {0, 0, 1}, 0}};
+  RayBatch group;
+  add_group(group, 0.01);
+  // Of a beam the rays 0, 5, 10 and 15 are looked at, of a group 0, 85, 170 and 255. Without the two in the middle each varies as the two at its ends do.
+  const double leaves = std::pow(1 + 5 * 0.01 * std::sqrt(6 * 2 * 2.25) / std::sqrt(1.5), 2), width = 6 * 0.01 * std::sqrt(6 * 2 * 56.25) / 2;
   for (const Ray& ray : invalid) {
-    for (const std::size_t looked_at : {5u, 10u}) rays.set(looked_at, ray);    // of the beam
-    for (const std::size_t looked_at : {85u, 170u}) rays.set(looked_at, ray);  // of the group
-    EXPECT_NEAR(leaves_per_ray(rays.view(0, 16), kBox, cubes(8, 1)), 1, 1e-6);
-    EXPECT_NEAR(group_width(rays.view(), kBox), 0, 1e-6);
+    RayBatch beam;
+    for (std::size_t i = 0; i < 16; ++i) beam.push_back(group[i]);
+    for (const std::size_t looked_at : {5u, 10u}) beam.set(looked_at, ray);
+    EXPECT_NEAR(leaves_per_ray(beam.view(), kBox, cubes(8, 1)), leaves, 1e-3);
+    beam.set(15, ray);  // one ray alone does not tell
+    EXPECT_EQ(leaves_per_ray(beam.view(), kBox, cubes(8, 1)), kBeamRays);
+    RayBatch spoilt = group;
+    for (const std::size_t looked_at : {85u, 170u}) spoilt.set(looked_at, ray);
+    EXPECT_NEAR(group_width(spoilt.view(), kBox), width, 1e-3);
   }
   EXPECT_EQ(leaves_per_ray(RayBatch().view(), kBox, cubes(8, 1)), kBeamRays);
+}
+
+/// Coordinates whose sum is beyond the largest float are those of a ray all the same.
+TEST(BeamEstimate, CountsRaysFromVeryFar) {
+  RayBatch rays;
+  for (int i = 0; i < 16; ++i) rays.push_back(test::make_ray({2e38, 2e38, 2e38}, {0, 0, 1}));
+  EXPECT_EQ(leaves_per_ray(rays.view(), kBox, cubes(8, 1)), 1);
 }
 
 class NoTraversal final : public Intersector {
