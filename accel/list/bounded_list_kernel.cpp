@@ -1,3 +1,5 @@
+#include "accel/list/bounded_list_kernel.h"
+
 #include "accel/list/bounded_list_traversal_kernel.h"
 #include "core/bounds/aabb_kernel.h"
 #include "core/bounds/kdop_kernel.h"

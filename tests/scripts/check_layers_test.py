@@ -18,7 +18,7 @@ CLEAN = {
     "accel/list/list.h": '#include "core/scene/scene.h"\n',
     "accel/grid/grid.h": '#include "core/scene/scene.h"\n',
     "accel/grid/grid_kernel.h": '#include "core/simd/isa_enum.h"\n',
-    "accel/grid/grid_kernel.cpp": '#include <cstdint>\n#include "accel/grid/grid_kernel.h"\n#include "core/ray/ray_packet.h"\n',
+    "accel/grid/grid_kernel.cpp": '#include "accel/grid/grid_kernel.h"\n#include <cstdint>\n#include "core/ray/ray_packet.h"\n',
     "accel/grid/grid_technique.cpp": '#include "accel/grid/grid_kernel.h"\n',
     "experiments/config/parse.cpp": '#include <nlohmann/json.hpp>\n#include "accel/list/list.h"\n',
     "experiments/main.cpp": "#include <iostream>\n",
@@ -52,6 +52,24 @@ VIOLATIONS = {
 }  # fmt: skip
 
 
+MISPLACED = {
+    "a header that may not be included twice": ("core/scene/scene.h", "#include <vector>\n"),
+    "a source that includes its header later": ("core/scene/scene.cpp", '#include <vector>\n#include "core/scene/scene.h"\n'),
+    "a source that defines what its header sees": ("core/scene/scene.cpp", '#define A\n#include "core/scene/scene.h"\n'),
+    "a source that does not include its header": ("core/scene/scene.cpp", ""),
+}
+
+
+def whole(files: dict[str, str]) -> dict[str, str]:
+    """Headers, and sources that have one, begun as they are to begin."""
+    begun = {}
+    for path, text in files.items():
+        own = path.removesuffix(".cpp") + ".h"
+        first = "#pragma once\n" if path.endswith(".h") else f'#include "{own}"\n' if own in files else ""
+        begun[path] = text if text.startswith(first) else first + text
+    return begun
+
+
 def check(files: dict[str, str]) -> subprocess.CompletedProcess[str]:
     with tempfile.TemporaryDirectory() as root:
         for path, text in files.items():
@@ -63,7 +81,7 @@ def check(files: dict[str, str]) -> subprocess.CompletedProcess[str]:
 
 class CheckLayers(unittest.TestCase):
     def test_passes_a_clean_tree(self) -> None:
-        result = check(CLEAN)
+        result = check(whole(CLEAN))
         self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
 
     def test_finds_each_planted_violation(self) -> None:
@@ -73,10 +91,18 @@ class CheckLayers(unittest.TestCase):
                 others = {"experiments/config/parse.h": "", "core/trace/trace.h": ""}
                 if "from the root" in what:
                     others["accel/list/list.h"] = ""
-                result = check({**CLEAN, **others, path: f"{include}\n"})
+                result = check(whole({**CLEAN, **others, path: f"{include}\n"}))
                 self.assertEqual(result.returncode, 1, result.stderr)
                 self.assertIn(path, result.stdout)
                 self.assertEqual(len({line.split(":")[0] for line in result.stdout.splitlines()}), 1, result.stdout)
+
+    def test_finds_headers_that_may_not_stand_alone(self) -> None:
+        for what, (path, text) in MISPLACED.items():
+            with self.subTest(what):
+                result = check({**whole(CLEAN), path: text})
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertEqual(len(result.stdout.splitlines()), 1, result.stdout)
+                self.assertIn(path, result.stdout)
 
 
 if __name__ == "__main__":
