@@ -5,7 +5,7 @@
 //
 // Proof, u = kUnitRoundoff, T = (plane - org) / dir, for planes that are met first; the others mirror it. scale is (1 - kSlabPadding) / dir within 2 u. at_zero
 // is not above -org * scale: the sign of what rounding leaves of that is exact. So plane * scale + at_zero is not above (plane - org) * scale, and rounded
-// once: T (1 - kSlabPadding) (1 + 3 u), which is before any hit that the contract allows (error_bounds.h); where t_min < 0, slab_slack is in at_zero as well.
+// once: T (1 - kSlabPadding) (1 + 3 u), before any hit that the contract allows (error_bounds.h); at_zero holds slab_slack (t_min < 0), 2^-126 (denormals) too.
 // Without a fused operation the product is rounded too, by u T and u org / dir; at_zero is lower by that. In space, boxes grow by 1 to 6 u |org|: false boxes,
 // and few of them unless boxes are not much larger than the last place of the origin's coordinates. Directions below kLeastSlope of the largest are taken for
 // it, so that nothing is infinite or NaN. No hit is at a t beyond `reach` + the largest |org| over dir_unit: that much times kLeastSlope times dir_unit the ray
@@ -31,7 +31,7 @@ struct SlabRays {
     const Float unit = dir_unit(ray), per_unit = Float(1.0f) / unit;
     const Float least = unit * Float(kLeastSlope), most = per_unit * Float(1 / kLeastSlope);
     const Float longest = farthest * per_unit;
-    const Float rounding = ray.slab_slack + Float(0x1p-126f);  // of denormal results too; the least float that fused operations are fast with
+    const Float rounding = ray.slab_slack + Float(0x1p-126f);  // the least normal: denormal operands are slow
     for (int a = 0; a < 3; ++a) {
       const auto flat = L::abs(ray.dir[a]) < least;
       const auto beyond = ~(L::abs(ray.org[a]) < Float(0x1p60f));

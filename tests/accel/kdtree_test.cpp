@@ -78,9 +78,10 @@ TEST_P(KdSteps, AMillionAdversarialRaysVisitNoMoreNodesThanThereAreAndAgreeWithT
   const RayBatch rays = lattice_rays(kAdversarialRays, 8);
   const HitBatch list = answer(scene, rays, "list", isa, 64).hits;
   for (const std::string_view technique : kTechniques) {
+    SCOPED_TRACE(technique);
     const Steps steps = expect_to_end_as_list(scene, rays, technique, isa, list);
-    EXPECT_LE(steps.nodes, static_cast<std::uint64_t>(steps.stats.interior_nodes)) << technique;
-    EXPECT_LE(steps.leaves, static_cast<std::uint64_t>(steps.stats.leaves)) << technique;
+    EXPECT_LE(steps.nodes, static_cast<std::uint64_t>(steps.stats.interior_nodes));
+    EXPECT_LE(steps.leaves, static_cast<std::uint64_t>(steps.stats.leaves));
     EXPECT_GT(steps.leaves, 8u) << "no ray crosses the scene";
   }
 }

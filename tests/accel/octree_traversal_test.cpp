@@ -217,6 +217,7 @@ TEST(OctreeTraversal, AMillionAdversarialRaysAgreeWithTheListAloneAndInPackets) 
   const RayBatch rays = lattice_rays(kAdversarialRays, 8);
   const HitBatch list = answer(scene, rays, "list", best_isa(), 64).hits;
   for (const Tracking tracking : kTrackings) {
+    SCOPED_TRACE(name_of(tracking));
     const Steps steps = expect_to_end_as_list(scene, rays, "octree:leaf_size=1,tracking=" + std::string(name_of(tracking)), best_isa(), list);
     const auto leaves = static_cast<std::uint64_t>(steps.stats.leaves);
     EXPECT_LE(steps.leaves, leaves);
