@@ -56,14 +56,16 @@ class PublishedTables(unittest.TestCase):
             root = Path(folder)
             header, *lines = COUNTERS.splitlines(keepends=True)
             unmeasured = '1,spd:balls:4,octree,"max_depth=4,growth=3e-04,tracking=parametric",,,,,,\n'
-            for run, text in (("a", unmeasured + lines[2]), ("b", lines[0])):
+            for run, text, references in (("a", unmeasured + lines[2], "500"), ("b", lines[0], "510")):
                 (root / run).mkdir()
                 (root / run / "counters.csv").write_text(header + text, encoding="utf-8")
-                (root / run / "builds.csv").write_text(BUILDS, encoding="utf-8")
-            (root / "reference.csv").write_text(HEADER + self.row("", "N_IT", "10"), encoding="utf-8")
+                (root / run / "builds.csv").write_text(BUILDS.replace(",500\n", f",{references}\n"), encoding="utf-8")
+            (root / "reference.csv").write_text(HEADER + self.row("", "N_OIV", "510") + self.row("", "N_IT", "10"), encoding="utf-8")
             command = [sys.executable, SCRIPT, root / "a", root / "b", root / "reference.csv", root / "out.md"]
             subprocess.run(command, check=True)
-            self.assertIn("| spd:balls:4 | 10.00 / 10.00 (+0.0 %) |", (root / "out.md").read_text(encoding="utf-8"))
+            text = (root / "out.md").read_text(encoding="utf-8")
+            self.assertIn("| spd:balls:4 | 510 / 510 (+0.0 %) | 10.00 / 10.00 (+0.0 %) |", text)
+            self.assertIn("from 2 runs of", text)
 
     def test_an_unknown_counting_is_an_error(self) -> None:
         self.assertIn("unknown counting 'by_guess'; expected some of per_hit, unhit_twice", self.table(self.row("by_guess", "N_IT", "5"), code=2))
