@@ -84,10 +84,11 @@ TEST(BeamEstimate, LeavesOutWhatIsNoRay) {
   const Ray invalid[] = {{{0, 0, -5}, 0, {0, 0, 0}, kInf},    {{0, 0, -5}, 0, {kNan, 0, 1}, kInf}, {{0, 0, -5}, 0, {0, -kInf, 1}, kInf},
                          {{0, kNan, -5}, 0, {0, 0, 1}, kInf}, {{kInf, 0, -5}, 0, {0, 0, 1}, kInf}, {{3, 0, -5}, kNan, {0, 0, 1}, kInf},
                          {{3, 0, -5}, 0, {0, 0, 1}, kNan},    {{3, 0, -5}, 1, {0, 0, 1}, 0}};
+  constexpr double kPixel = 0.002;  // narrow, so that what is across the mean ray is across the axis
   RayBatch group;
-  add_group(group, 0.01);
+  add_group(group, kPixel);
   // Of a beam the rays 0, 5, 10 and 15 are looked at, of a group 0, 85, 170 and 255. Without the two in the middle each varies as the two at its ends do.
-  const double leaves = std::pow(1 + 5 * 0.01 * std::sqrt(6 * 2 * 2.25) / std::sqrt(1.5), 2), width = 6 * 0.01 * std::sqrt(6 * 2 * 56.25) / 2;
+  const double leaves = std::pow(1 + 5 * kPixel * std::sqrt(6 * 2 * 2.25) / std::sqrt(1.5), 2), width = 6 * kPixel * std::sqrt(6 * 2 * 56.25) / 2;
   for (const Ray& ray : invalid) {
     RayBatch beam;
     for (std::size_t i = 0; i < 16; ++i) beam.push_back(group[i]);
