@@ -67,6 +67,21 @@ struct Mesh {
   }
 };
 
+struct Found {
+  HitBatch hits;
+  test::Blockers blockers;
+};
+
+Found trace(const Structure& structure, const QueryOptions& options, const RayBatch& closest, const RayBatch& any) {
+  const auto intersector = structure.intersector(options);
+  Found found;
+  intersector->prepare(closest.view(), Query::closest, 1);
+  trace_closest(*intersector, closest, found.hits, 1);
+  intersector->prepare(any.view(), Query::any, 1);
+  trace_any(*intersector, any, found.blockers, 1);
+  return found;
+}
+
 /// One test for all instruction sets, as a scan and its rays take longer to make than to trace.
 class ClosedMeshes : public testing::TestWithParam<Case> {
 protected:
@@ -87,13 +102,7 @@ protected:
     for (const Isa isa : kIsas) {
       if (!available(isa)) continue;
       for (const int packet : GetParam().packets) {
-        const auto intersector = structure->intersector({isa, packet, spec.params});
-        HitBatch hits;
-        test::Blockers blockers;
-        intersector->prepare(closest.view(), Query::closest, 1);
-        trace_closest(*intersector, closest, hits, 1);
-        intersector->prepare(any.view(), Query::any, 1);
-        trace_any(*intersector, any, blockers, 1);
+        const auto [hits, blockers] = trace(*structure, {isa, packet, spec.params}, closest, any);
         EXPECT_EQ(std::count(hits.prim.begin(), hits.prim.end(), -1), 0) << name(isa) << ", packets of " << packet;
         EXPECT_EQ(std::count(blockers.begin(), blockers.end(), -1), 0) << name(isa) << ", packets of " << packet;
       }
@@ -168,13 +177,7 @@ TEST_P(ClosedMeshes, VerticalRaysMeetAnIntegerHeightFieldExactly) {
   for (const Isa isa : kIsas) {
     if (!available(isa)) continue;
     for (const int packet : {1, 16, 64}) {
-      const auto intersector = structure->intersector({isa, packet, spec.params});
-      HitBatch hits;
-      test::Blockers blockers;
-      intersector->prepare(rays.view(), Query::closest, 1);
-      trace_closest(*intersector, rays, hits, 1);
-      intersector->prepare(rays.view(), Query::any, 1);
-      trace_any(*intersector, rays, blockers, 1);
+      const auto [hits, blockers] = trace(*structure, {isa, packet, spec.params}, rays, rays);
       for (std::size_t i = 0; i < rays.size(); ++i) {
         ASSERT_EQ(hits.t[i], expected[i]) << rays.org[0][i] << ' ' << rays.org[1][i] << ", " << name(isa) << ", packets of " << packet;
         ASSERT_GE(blockers[i], 0) << rays.org[0][i] << ' ' << rays.org[1][i] << ", " << name(isa) << ", packets of " << packet;
