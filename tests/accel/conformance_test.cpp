@@ -172,13 +172,13 @@ TEST_P(Conformance, AgreesWithTheListBitForBit) {
     const Reference reference(scene, isa);
     const Oracle oracle(scene);
     std::set<std::pair<std::size_t, int>> accepted;
+    // A partial register and the largest packet tell enough of what is not the default, one in this scene, the other in the next.
+    const std::vector<int> some_sizes{(&scene - scenes().data()) % 2 == 0 ? kMaxPacket : 3};
     for (const ParamValues& values : params) {
       const bool is_default = &values == &params.front();
       if (!is_default && scene.prim_count() > 250) continue;  // for time's sake
       const auto structure = entry->build(scene, values, 1);
-      const std::vector<int> sizes = packet_sizes(isa);
-      for (const int packet : sizes) {
-        if (!is_default && packet != 3 && packet != sizes.back()) continue;  // a partial register and the largest packet tell enough
+      for (const int packet : is_default ? packet_sizes(isa) : some_sizes) {
         SCOPED_TRACE(scene.name + ", " + text(values) + "packet " + std::to_string(packet));
         const Traced traced = trace(*structure, {isa, packet, values}, reference.rays);
         expect_same_hits(traced.hits, reference.list.hits, reference.rays);
@@ -230,12 +230,12 @@ TEST_P(Conformance, BatchesOfAnySize) {
   for (const std::size_t size : std::set<std::size_t>{0, 1, width - 1, width, width + 1, 2 * width + 1, 1023, 1025}) {
     RayBatch rays;
     for (std::size_t i = 0; i < size; ++i) rays.push_back(all[i]);
-    const Traced expected = trace_list(scene, isa, rays);
+    const HitBatch expected = trace_list(scene, isa, rays).hits;
     for (const int packet : packet_sizes(isa)) {
       SCOPED_TRACE("size " + std::to_string(size) + ", packet " + std::to_string(packet));
       const Traced traced = trace(*structure, {isa, packet, values}, rays);
       EXPECT_EQ(traced.hits.size(), size);
-      expect_same_hits(traced.hits, expected.hits, rays);
+      expect_same_hits(traced.hits, expected, rays);
     }
   }
 }

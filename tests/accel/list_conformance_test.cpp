@@ -13,11 +13,11 @@ namespace raymeter {
 namespace {
 
 using test::expect_same_hits;
+using test::Listed;
 using test::Reference;
 using test::scene_named;
 using test::scenes;
 using test::trace_list;
-using test::Traced;
 
 class ListConformance : public testing::TestWithParam<Isa> {
 protected:
@@ -84,7 +84,7 @@ TEST_P(ListConformance, InvalidRaysMissAndZeroHasNoSign) {
       }
       flipped.push_back(ray);
     }
-    const Traced traced = trace_list(scene, GetParam(), rays);
+    const Listed traced = trace_list(scene, GetParam(), rays);
     expect_same_hits(trace_list(scene, GetParam(), flipped).hits, traced.hits, rays);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       EXPECT_FALSE(std::signbit(traced.hits.t[i]) && traced.hits.t[i] == 0);

@@ -110,9 +110,10 @@ TEST(QuantisedBvh, EqualsListBitForBit) {
         for (const Isa isa : kIsas) {
           if (!available(isa)) continue;
           SCOPED_TRACE(std::string(scene_name) + ' ' + traversal + ' ' + std::to_string(bits) + ' ' + name(isa).data());
-          const Traced list = test::trace_list(scene, isa, rays), found = test::trace(*structure, {isa, kMaxPacket, spec.params}, rays);
-          test::expect_same_hits(found.hits, list.hits, rays);
-          for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(found.blockers[i] >= 0, list.hits.prim[i] >= 0) << i;
+          const HitBatch list = test::trace_list(scene, isa, rays).hits;
+          const Traced found = test::trace(*structure, {isa, kMaxPacket, spec.params}, rays);
+          test::expect_same_hits(found.hits, list, rays);
+          for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(found.blockers[i] >= 0, list.prim[i] >= 0) << i;
         }
       }
     }

@@ -104,7 +104,7 @@ protected:
 TEST_P(ShadowCache, BlocksTheSameRaysInFrontOfEveryStructure) {
   const Isa isa = GetParam();
   for (const Scene& scene : lit_scenes()) {
-    const Shadow shadow = shadow_of(test::Reference(scene, isa).rays, scene, 1500);
+    const Shadow shadow = shadow_of(test::reference_rays(scene, isa), scene, 1500);
     const Blockers expected = test::trace_list(scene, isa, shadow.rays).blockers;
     for (const StructureEntry& entry : structures()) {
       const ParamValues params = entry.resolve({});
@@ -186,7 +186,7 @@ TEST_P(ShadowCache, CountsDoNotDependOnThreads) {
   const Isa isa = GetParam();
   Scene scene = test::scene_named("mixed");
   scene.lights.assign(kLights, Light{});
-  const RayBatch once = test::Reference(scene, isa).rays;
+  const RayBatch once = test::reference_rays(scene, isa);
   RayBatch rays;
   for (int repeat = 0; repeat < 4; ++repeat) rays.append(once);
   const Shadow shadow = shadow_of(rays, scene, rays.size());

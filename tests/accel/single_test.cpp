@@ -30,9 +30,10 @@ TEST(Single, TakesBatchesOfAnySizeAndNoNoticeOfPackets) {
       RayBatch rays;
       for (std::size_t i = 0; i < size; ++i) rays.push_back(hard[(7 * size + i) % hard.size()]);
       SCOPED_TRACE(std::string(name(isa)) + " size " + std::to_string(size));
-      const Traced list = test::trace_list(scene, isa, rays), one = trace_with(*structure, single(), isa, 1, rays);
-      test::expect_same_hits(one.hits, list.hits, rays);
-      for (std::size_t i = 0; i < size; ++i) ASSERT_EQ(one.blockers[i] >= 0, list.hits.prim[i] >= 0) << i;
+      const HitBatch list = test::trace_list(scene, isa, rays).hits;
+      const Traced one = trace_with(*structure, single(), isa, 1, rays);
+      test::expect_same_hits(one.hits, list, rays);
+      for (std::size_t i = 0; i < size; ++i) ASSERT_EQ(one.blockers[i] >= 0, list.prim[i] >= 0) << i;
       EXPECT_EQ(trace_with(*structure, single(), isa, kMaxPacket, rays).closest, one.closest);
     }
   }

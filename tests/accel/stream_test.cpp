@@ -39,12 +39,12 @@ TEST(Stream, TakesBatchesAndGroupsOfAnySize) {
     for (std::size_t size = 1; size <= 2 * width + 1; ++size) sizes.insert(size);
     for (const std::size_t size : sizes) {
       const RayBatch rays = first_of(hard, 7 * size, size);
-      const Traced list = test::trace_list(scene, isa, rays);
+      const HitBatch list = test::trace_list(scene, isa, rays).hits;
       for (const int packet : {1, 7, kMaxPacket}) {
         SCOPED_TRACE(std::string(name(isa)) + " size " + std::to_string(size) + " packet " + std::to_string(packet));
         const Traced found = test::trace(*structure, {isa, packet, stream().params}, rays);
-        expect_same_hits(found.hits, list.hits, rays);
-        for (std::size_t i = 0; i < size; ++i) ASSERT_EQ(found.blockers[i] >= 0, list.hits.prim[i] >= 0) << i;
+        expect_same_hits(found.hits, list, rays);
+        for (std::size_t i = 0; i < size; ++i) ASSERT_EQ(found.blockers[i] >= 0, list.prim[i] >= 0) << i;
       }
     }
   }
@@ -55,12 +55,12 @@ void expect_as_by_list(const Scene& scene, const TechniqueSpec& spec, const RayB
   const auto structure = spec.structure->build(scene, spec.params, 1);
   for (const Isa isa : kIsas) {
     if (!available(isa)) continue;
-    const Traced list = test::trace_list(scene, isa, rays);
+    const HitBatch list = test::trace_list(scene, isa, rays).hits;
     for (const int packet : {1, 5, kMaxPacket}) {
       SCOPED_TRACE(std::string(name(isa)) + " packet " + std::to_string(packet));
       const Traced found = test::trace(*structure, {isa, packet, spec.params}, rays);
-      expect_same_hits(found.hits, list.hits, rays);
-      for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(found.blockers[i] >= 0, list.hits.prim[i] >= 0) << i;
+      expect_same_hits(found.hits, list, rays);
+      for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(found.blockers[i] >= 0, list.prim[i] >= 0) << i;
     }
   }
 }

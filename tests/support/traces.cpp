@@ -38,18 +38,22 @@ Traced trace(const Structure& structure, const QueryOptions& options, const RayB
   return out;
 }
 
-Traced trace_list(const Scene& scene, Isa isa, const RayBatch& rays) {
+Listed trace_list(const Scene& scene, Isa isa, const RayBatch& rays) {
   const StructureEntry& list = structure_entry("list");
   const ParamValues params = list.resolve({});
-  return trace(*list.build(scene, params, 1), {isa, 1, params}, rays);
+  const auto structure = list.build(scene, params, 1);
+  const auto intersector = structure->intersector({isa, 16, params});
+  Listed out;
+  trace_closest(*intersector, rays, out.hits, 1);
+  trace_any(*intersector, rays, out.blockers, 1);
+  return out;
 }
 
-Reference::Reference(const Scene& scene, Isa isa) : rays(hard_rays(scene, 7)) {
-  const RayBatch coherent = coherent_rays(scene);
-  for (std::size_t i = 0; i < coherent.size(); ++i) rays.push_back(coherent[i]);
-  const RayBatch cut = cut_at_hits(rays, trace_list(scene, isa, rays).hits);
-  for (std::size_t i = 0; i < cut.size(); ++i) rays.push_back(cut[i]);
-  list = trace_list(scene, isa, rays);
+RayBatch reference_rays(const Scene& scene, Isa isa) {
+  RayBatch rays = hard_rays(scene, 7);
+  rays.append(coherent_rays(scene));
+  rays.append(cut_at_hits(rays, trace_list(scene, isa, rays).hits));
+  return rays;
 }
 
 std::vector<std::string> all_traversals() {

@@ -24,15 +24,24 @@ struct Traced {
 /// Both queries, by timed and by counting kernels; expects the two to agree.
 [[nodiscard]] Traced trace(const Structure& structure, const QueryOptions& options, const RayBatch& rays, int threads = 1);
 
-/// The reference: the list, one ray at a time.
-[[nodiscard]] Traced trace_list(const Scene& scene, Isa isa, const RayBatch& rays);
+/// What the list answers.
+struct Listed {
+  HitBatch hits;
+  Blockers blockers;
+};
 
-/// A scene's rays, hard, coherent and cut at their hits, and what the list finds.
+/// The reference: the list, by packets of 16. Packets of other sizes and counting kernels are held against it like any other structure's.
+[[nodiscard]] Listed trace_list(const Scene& scene, Isa isa, const RayBatch& rays);
+
+/// A scene's rays, hard, coherent and cut at the hits that the list finds.
+[[nodiscard]] RayBatch reference_rays(const Scene& scene, Isa isa);
+
+/// These rays, and what the list finds.
 struct Reference {
   RayBatch rays;
-  Traced list;
+  Listed list;
 
-  Reference(const Scene& scene, Isa isa);
+  Reference(const Scene& scene, Isa isa) : rays(reference_rays(scene, isa)), list(trace_list(scene, isa, rays)) {}
 };
 
 /// Every structure with default parameters, and the settings whose kernels or volumes are others: as texts for parse_technique.
