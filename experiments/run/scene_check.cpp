@@ -44,12 +44,20 @@ std::vector<SceneRun::Live*> SceneRun::affordable(std::span<Live* const> group) 
   for (Live* live : group) {
     double pass_s = estimate_s(*live);
     if (pass_s > timeout_s) pass_s = std::min(pass_s, estimate_s(*live));
+    forget_made(*live);  // it would be missing from the first pass
     if (pass_s <= timeout_s)
       affordable.push_back(live);
     else
       end(*live->cell, Status::timeout, fmt::format("one pass would take about {:.3g} s, timeout_s is {:.6g}", pass_s, timeout_s));
   }
   return affordable;
+}
+
+void SceneRun::forget_made(Live& live) const {
+  if (dynamic_cast<const OnDemand*>(live.intersector.get()) == nullptr) return;
+  const double spent_s = live.spent_s;
+  live = make_live(*live.cell, live.rays);
+  live.spent_s = spent_s;
 }
 
 void SceneRun::check_ray_sets(std::span<Live* const> group) {
@@ -85,11 +93,6 @@ void SceneRun::check_ray_set(Live& live, const Verification& verification) {
   record.rays = static_cast<std::int64_t>(live.rays->rays.size());
   record.threads = cell.threads > 0 ? cell.threads : all_threads();
   record.counters.emplace();
-  if (dynamic_cast<const OnDemand*>(live.intersector.get()) != nullptr) {  // what the estimate made would be missing from the first pass
-    Live fresh = make_live(cell, live.rays);
-    fresh.spent_s = live.spent_s;
-    live = std::move(fresh);
-  }
   const PassTime time = run_pass(live.tracers(), *live.rays, cell.threads, answers_, &*record.counters);
   live.spent_s += time.trace_ms * 1e-3;
   // Behind another slot the structure sees other batches than the cell's.
@@ -113,6 +116,7 @@ void SceneRun::check_ray_set(Live& live, const Verification& verification) {
     record.reason = fmt::format("{} of {} rays have wrong hits", verdicts.mismatches, live.rays->rays.size());
   }
   add_check(record);
+  if (record.status != Status::ok || context_.config.measure.samples == 0) forget_made(live);  // it would be kept as long as the scene
 }
 
 void SceneRun::add_check(const CheckRecord& record) {

@@ -72,6 +72,8 @@ private:
   [[nodiscard]] Live make_live(const Experiment& cell, const RaySet* rays) const;
   [[nodiscard]] RaySet make_ray_set(const Experiment& cell, const Intersector& tracer) const;
   void check_all();
+  /// Takes from the cell's intersector what it has made for rays.
+  void forget_made(Live& live) const;
   void check_ray_sets(std::span<Live* const> group);
   void check_ray_set(Live& live, const Verification& verification);
   void check_frames(std::span<Live* const> group);

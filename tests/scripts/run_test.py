@@ -3,6 +3,7 @@
 import json
 import os
 import struct
+import subprocess
 import sys
 from pathlib import Path
 
@@ -76,6 +77,23 @@ class RunTest(RunInFolder):
         for row in self.rows(self.folder / "r", "summary"):
             of_build = next(build for build in builds if build["cell_id"] == row["cell_id"])
             self.assertEqual((row["mem_bytes"], row["build_ms"]), (of_build["mem_bytes"], of_build["build_ms"]))
+
+    def test_keeps_no_lists_of_cells_that_are_not_timed(self) -> None:
+        def peak_and_lists(packets: list[int]) -> tuple[int, int]:
+            """Bytes: the most that the run holds at once, and the lists of its first cell."""
+            document = config(matrix={"scene": ["gen:terrain:5000"], "structure": [{"name": "ray_classification", "min_rays": 1}], "packet": packets,
+                                      "rays": ["diffuse"]}, image={"width": 32, "height": 32}, measure={"warmup": 0, "samples": 0})
+            run = subprocess.Popen(self.command("run", self.write(document), "--out", f"r{len(packets)}", "--progress", "none"), cwd=self.folder,
+                                   stdout=subprocess.DEVNULL)
+            _, status, usage = os.wait4(run.pid, 0)
+            run.returncode = os.waitstatus_to_exitcode(status)
+            self.assertEqual(run.returncode, 0)
+            return usage.ru_maxrss * 1024, int(self.rows(self.folder / f"r{len(packets)}", "counters")[0]["cell_bytes"])
+
+        one, lists = peak_and_lists([16])
+        six, _ = peak_and_lists([1, 2, 4, 8, 16, 32])
+        self.assertGreater(lists, 20 << 20)
+        self.assertLess(six, one + 2 * lists)
 
     def test_measures_every_cell(self) -> None:
         result = self.raymeter("run", self.write(config()), "--out", "r", "--progress", "none")
