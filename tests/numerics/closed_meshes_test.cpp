@@ -85,10 +85,10 @@ Found trace(const Structure& structure, const QueryOptions& options, const RayBa
 /// One test for all instruction sets, as a scan and its rays take longer to make than to trace.
 class ClosedMeshes : public testing::TestWithParam<Case> {
 protected:
-  /// Whether all rays of a mesh fit the time that tests may take; else a hundredth is traced (closed_meshes.json has the rest). Two structures take far
-  /// longer than others on large meshes: `list` tests all primitives with every register of rays, and `ray_classification` makes its lists again for every
-  /// query and size. They look for the nearest hits by a partial register and by the largest packets, but for `list` in the scan. Any hits, which the same
-  /// tests of nodes and of triangles find, are looked for by packets of 16.
+  /// Whether all rays of a mesh fit the time that tests may take; else a hundredth is traced (closed_meshes.json has more of the nearest hits, and no others).
+  /// Two structures take far longer than others on large meshes: `list` tests all primitives with every register of rays, and `ray_classification` makes its
+  /// lists again for every query and size. They look for the nearest hits in full by packets of 3 and of kMaxPacket, but for `list` in the scan, and never for
+  /// any hits; all others look for any hits in full by packets of 16.
   [[nodiscard]] static bool affordable(const Scene& scene, Query query, int packet) {
     constexpr std::int32_t kFew = 2000, kSphere = 20480;
     const std::int32_t size = scene.prim_count();
