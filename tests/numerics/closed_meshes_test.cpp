@@ -2,6 +2,7 @@
 // faces of boxes and cells.
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <limits>
 #include <ostream>
@@ -85,16 +86,21 @@ Found trace(const Structure& structure, const QueryOptions& options, const RayBa
 /// One test for all instruction sets, as a scan and its rays take longer to make than to trace.
 class ClosedMeshes : public testing::TestWithParam<Case> {
 protected:
-  /// Whether all rays of a mesh fit the time that tests may take; else a hundredth is traced (closed_meshes.json has more of the nearest hits, and no others).
-  /// Two structures take far longer than others on large meshes: `list` tests all primitives with every register of rays, and `ray_classification` makes its
-  /// lists again for every query and size. They look for the nearest hits in full by packets of 3 and of kMaxPacket, but for `list` in the scan, and never for
-  /// any hits; all others look for any hits in full by packets of 16.
-  [[nodiscard]] static bool affordable(const Scene& scene, Query query, int packet) {
+  /// Any hits are looked for in full by one size on each instruction set, all of them in turn: they run other kernels of nearly the same tests.
+  template <class Sizes>
+  [[nodiscard]] static int size_of_any(const Sizes& sizes, Isa isa) {
+    return sizes[static_cast<std::size_t>(isa) % sizes.size()];
+  }
+  /// Whether all rays of a mesh fit the time that tests may take; else a hundredth is traced. Two structures take far longer than others on large meshes:
+  /// `list` tests all primitives with every register of rays, and `ray_classification` makes its lists again for every query and size. They look for any hits
+  /// in a hundredth there, and `list` in the scan for all (closed_meshes.json has its nearest hits).
+  [[nodiscard]] static bool affordable(const Scene& scene, Query query, Isa isa, int packet) {
     constexpr std::int32_t kFew = 2000, kSphere = 20480;
     const std::int32_t size = scene.prim_count();
-    const bool list = GetParam().is("list"), slow = (list || GetParam().is("ray_classification")) && size > kFew;
-    if (query == Query::any) return packet == 16 && !slow;
-    return !slow || ((packet == 3 || packet == kMaxPacket) && !(list && size > kSphere));
+    if (size <= kFew) return true;
+    const bool list = GetParam().is("list");
+    if (query == Query::any) return !list && !GetParam().is("ray_classification") && packet == size_of_any(GetParam().packets, isa);
+    return !(list && size > kSphere);
   }
   /// No ray is lost, the nearest hit or any being asked for.
   static void expect_no_holes(const Mesh& mesh) {
@@ -103,7 +109,7 @@ protected:
     for (const Isa isa : kIsas) {
       if (!available(isa)) continue;
       for (const int packet : GetParam().packets) {
-        const auto rays_for = [&](Query query) -> const RayBatch& { return affordable(mesh.scene, query, packet) ? mesh.rays : mesh.some_rays; };
+        const auto rays_for = [&](Query query) -> const RayBatch& { return affordable(mesh.scene, query, isa, packet) ? mesh.rays : mesh.some_rays; };
         const auto [hits, blockers] = trace(*structure, {isa, packet, spec.params}, rays_for(Query::closest), rays_for(Query::any));
         EXPECT_EQ(std::count(hits.prim.begin(), hits.prim.end(), -1), 0) << name(isa) << ", packets of " << packet;
         EXPECT_EQ(std::count(blockers.begin(), blockers.end(), -1), 0) << name(isa) << ", packets of " << packet;
@@ -178,10 +184,11 @@ TEST_P(ClosedMeshes, VerticalRaysMeetAnIntegerHeightFieldExactly) {
   const bool all = !GetParam().is("list");
   const RayBatch& closest = all ? field.rays : some_rays;
   const std::vector<float>& expected = all ? field.t : some_t;
+  constexpr std::array kSizes{1, 16, 64};
   for (const Isa isa : kIsas) {
     if (!available(isa)) continue;
-    for (const int packet : {1, 16, 64}) {
-      const RayBatch& any = all && packet == 16 ? field.rays : some_rays;
+    for (const int packet : kSizes) {
+      const RayBatch& any = all && packet == size_of_any(kSizes, isa) ? field.rays : some_rays;
       const auto [hits, blockers] = trace(*structure, {isa, packet, spec.params}, closest, any);
       for (std::size_t i = 0; i < closest.size(); ++i)
         ASSERT_EQ(hits.t[i], expected[i]) << closest.org[0][i] << ' ' << closest.org[1][i] << ", " << name(isa) << ", packets of " << packet;
