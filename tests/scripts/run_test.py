@@ -84,7 +84,7 @@ class RunTest(RunInFolder):
             document = config(matrix={"scene": ["gen:terrain:5000"], "structure": [{"name": "ray_classification", "min_rays": 1}], "packet": packets,
                                       "rays": ["diffuse"]}, image={"width": 32, "height": 32}, measure={"warmup": 0, "samples": 0})
             run = subprocess.Popen(self.command("run", self.write(document), "--out", f"r{len(packets)}", "--progress", "none"), cwd=self.folder,
-                                   stdout=subprocess.DEVNULL)
+                                   stdout=subprocess.DEVNULL, env=os.environ | {"ASAN_OPTIONS": "quarantine_size_mb=1"})  # else it keeps what is freed
             _, status, usage = os.wait4(run.pid, 0)
             run.returncode = os.waitstatus_to_exitcode(status)
             self.assertEqual(run.returncode, 0)
