@@ -23,11 +23,11 @@ using test::Random;
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
-/// Rays of a class. Builds that check instead of being fast take many times as long, and trace a tenth.
+/// Rays of a class, and the most primitives that `list` tests with all of them. Builds that check instead of being fast take many times as long.
 #ifdef NDEBUG
-constexpr std::int32_t kRays = 100'000;
+constexpr std::int32_t kRays = 100'000, kListed = 20480;
 #else
-constexpr std::int32_t kRays = 10'000;
+constexpr std::int32_t kRays = 10'000, kListed = 2000;
 #endif
 
 struct Case {
@@ -102,12 +102,12 @@ protected:
   /// meshes: `list` tests all primitives with every register of rays, and `ray_classification` makes its lists again for every query and size. They look for
   /// any hits in a hundredth there, and `list` in the scan for all (closed_meshes.json has its nearest hits by packets of 64 on AVX-512).
   [[nodiscard]] static bool affordable(const Scene& scene, Query query, Isa isa, int packet) {
-    constexpr std::int32_t kFew = 2000, kSphere = 20480;
+    constexpr std::int32_t kFew = 2000;
     const std::int32_t size = scene.prim_count();
     if (size <= kFew) return true;
     const bool list = GetParam().is("list");
     if (query == Query::any) return !list && !GetParam().is("ray_classification") && packet == size_of_any(GetParam().packets, isa);
-    return !(list && size > kSphere);
+    return !(list && size > kListed);
   }
   /// No ray is lost, the nearest hit or any being asked for.
   static void expect_no_holes(const Mesh& mesh) {
