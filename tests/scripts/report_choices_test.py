@@ -11,7 +11,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import synthetic_run
-from raymeter_report import best_settings, cells, drafts, figure_sweep, numbers, records, style, tables
+from raymeter_report import best_settings, cells, drafts, figure_best, figure_sweep, numbers, records, style, tables
 from report_support import TemporaryFolder, run_cli
 
 
@@ -95,6 +95,22 @@ class Choices(TemporaryFolder):
             names = [draft.name for draft in drafts.best_drafts(matrix, style.looks(matrix))]
         self.assertEqual(names, ["side_by_side_primary", "side_by_side_shadow", "side_by_side_diffuse"])
         self.assertEqual(len(best_settings.best_settings_table(matrix).rows), 18)
+
+    def test_side_by_side_shows_long_settings_whole(self) -> None:
+        structures = {"list": "volume=none", "grid": "density=1,top_density=1,rule=cubic,levels=2,max_leaf_size=16,mailbox=true"}
+        structures |= {f"grid#{density}": f"density={density},top_density=0.125,rule=square,levels=3,max_leaf_size=1024,mailbox=false" for density in (2, 4)}
+        matrix = self.matrix(packets=[64], structures=structures, scenes=["spd:tetra:6"])
+        best = [cell for cell in matrix if (cell.rays, cell.state) == ("primary", "ok")]
+        with style.styled():
+            figure = figure_best.best_figure({"spd:tetra:6": best}, ["packet"], style.looks(matrix))
+            page = figure.bbox
+            shown = [text for axes in figure.axes for text in axes.texts]
+            for text in shown:
+                extent = text.get_window_extent(figure.canvas.get_renderer())
+                self.assertTrue(page.x0 <= extent.x0 and extent.x1 <= page.x1, text.get_text())
+        settings = [text.get_text().replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ") for text in shown]
+        self.assertEqual(settings, [best_settings.setting_of(cell, ["packet"]) for cell in best])
+        self.assertGreater(max(map(len, settings)), 80)
 
     def test_side_by_side_needs_a_choice_of_settings(self) -> None:
         self.assertEqual(best_settings.best_settings(self.matrix()), {})
