@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <ostream>
@@ -29,6 +30,9 @@ constexpr std::int32_t kRays = 100'000, kListed = 20480;
 #else
 constexpr std::int32_t kRays = 10'000, kListed = 2000;
 #endif
+
+/// With RAYMETER_ALL_RAYS in the environment all of a mesh's rays look for their nearest hits whatever it takes (`list`: hours), on all threads.
+const bool kAllRays = std::getenv("RAYMETER_ALL_RAYS") != nullptr;
 
 struct Case {
   std::string technique;
@@ -82,11 +86,12 @@ struct Found {
 
 Found trace(const Structure& structure, const QueryOptions& options, const RayBatch& closest, const RayBatch& any) {
   const auto intersector = structure.intersector(options);
+  const int threads = kAllRays ? 0 : 1;
   Found found;
-  intersector->prepare(closest.view(), Query::closest, 1);
-  trace_closest(*intersector, closest, found.hits, 1);
-  intersector->prepare(any.view(), Query::any, 1);
-  trace_any(*intersector, any, found.blockers, 1);
+  intersector->prepare(closest.view(), Query::closest, threads);
+  trace_closest(*intersector, closest, found.hits, threads);
+  intersector->prepare(any.view(), Query::any, threads);
+  trace_any(*intersector, any, found.blockers, threads);
   return found;
 }
 
@@ -100,14 +105,14 @@ protected:
   }
   /// Whether all rays of a closed mesh fit the time that tests may take; else a hundredth is traced. Two structures take far longer than others on large
   /// meshes: `list` tests all primitives with every register of rays, and `ray_classification` makes its lists again for every query and size. They look for
-  /// any hits in a hundredth there, and `list` in the scan for all (closed_meshes.json has its nearest hits by packets of 64 on AVX-512).
+  /// any hits in a hundredth there, and `list` in the scan for all, unless RAYMETER_ALL_RAYS is set.
   [[nodiscard]] static bool affordable(const Scene& scene, Query query, Isa isa, int packet) {
     constexpr std::int32_t kFew = 2000;
     const std::int32_t size = scene.prim_count();
     if (size <= kFew) return true;
     const bool list = GetParam().is("list");
     if (query == Query::any) return !list && !GetParam().is("ray_classification") && packet == size_of_any(GetParam().packets, isa);
-    return !(list && size > kListed);
+    return kAllRays || !list || size <= kListed;
   }
   /// No ray is lost, the nearest hit or any being asked for.
   static void expect_no_holes(const Mesh& mesh) {
@@ -188,7 +193,7 @@ TEST_P(ClosedMeshes, VerticalRaysMeetAnIntegerHeightFieldExactly) {
     some_rays.push_back(field.rays[i]);
     some_t.push_back(field.t[i]);
   }
-  const bool all = !GetParam().is("list");
+  const bool all = kAllRays || !GetParam().is("list");
   const RayBatch& closest = all ? field.rays : some_rays;
   const std::vector<float>& expected = all ? field.t : some_t;
   constexpr std::array kSizes{1, 16, 64};
